@@ -12,7 +12,6 @@ Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or ret
 nodes and topics are full names.
 """
 
-import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -28,8 +27,6 @@ from autograder.judging.causes.ended import (
 from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
-from autograder.submission.code.program import argument
-from autograder.submission.code.source_code import Code
 
 SECOND = 1_000_000_000
 NO_RESULT = 'Callback returned an invalid type'
@@ -69,22 +66,8 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
     if not spaces or namespace in spaces:
         return None
     where = f'the namespace {spaces[0]}' if spaces[0] else 'no namespace'
-    repair = repair or f'{_own_namespace(Code(run.files))} The command line chooses the namespace.'
-    return cause_of('namespace', node=base, where=where, repair=repair, about=[spaces[0], base])
-
-
-def _own_namespace(code: Code) -> str:
-    """Return advice for code that overrides the namespace from the command line."""
-    named = {one.arg for one in code.nodes if isinstance(one, ast.keyword)}
-    for name in ('namespace', 'use_global_arguments', 'cli_args'):
-        if name in named:
-            return f'Remove {name}=.'
-    for call in code.calls_to('init'):
-        given = argument(call, 0, 'args')
-        replaced = (ast.List, ast.Tuple, ast.Call)
-        if given and any(isinstance(part, replaced) for part in ast.walk(given)):
-            return 'Write rclpy.init(args=args) in main(args=None).'
-    return 'Give the node a plain name, and write rclpy.init(args=args) in main(args=None).'
+    name = 'namespace' if repair else 'own_namespace'
+    return cause_of(name, node=base, where=where, repair=repair, about=[spaces[0], base])
 
 
 def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Event]:

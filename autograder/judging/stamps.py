@@ -15,20 +15,13 @@ from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import field_of, SECOND
 from autograder.recording import Event
-from autograder.submission.code.mistakes import use_of_field
+from autograder.submission.code.source_code import Code
 
 SYSTEM_TIME_S = 1e9
 """Stamps above this value are from the system clock, which passed it in 2001 [s]."""
 FAR_S = 1000
 """A stamp further than this from the ROS clock is from a different clock [s]."""
 MILLISECOND = 1_000_000
-_WHY_ZERO = {
-    'given': 'early_stamp',
-    'empty': 'empty_time',
-    'local': 'stamp_alone',
-    'unused': 'missing_stamp',
-}
-"""The situation that explains a stamp of 0, by how the code uses the field."""
 
 
 def require_stamps(
@@ -89,13 +82,11 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
     if sec == nanosec == 0:
         if why := why_silent(run):
             return why
-        situation = _WHY_ZERO[use_of_field(run.files, field)]
+        situation = 'early_stamp' if Code(run.files).has_field(field) else 'missing_stamp'
     elif sec > SYSTEM_TIME_S:
         situation = 'wall_clock'
     elif abs(sec - right) > FAR_S:
         situation = 'other_clock'
-    elif sec == right and nanosec == 0:
-        situation = 'whole_seconds'
     elif sec == right and nanosec < MILLISECOND:
         situation = 'nanoseconds'
     elif why := why_it_sleeps(run):

@@ -45,18 +45,14 @@ def _lives(run: Run, when: str) -> bool:
     return bool(endpoints_at(run, when, 'publisher', TOPIC))
 
 
-def _why_gone(run: Run, name: str) -> Cause | None:
-    """
-    Explain why a node ended.
-
-    :param name: of the cause for a node that ended without an error
-    """
+def _why_gone(run: Run) -> Cause | None:
+    """Explain why a node ended."""
     recording = run.recording
     if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
         return why_silent(run)
     if recording.process.get('exit') is None:
         return why_thread_ended(run) or WHY['destroyed']
-    return WHY[name]
+    return WHY['exited_early']
 
 
 def delivers_to_who_comes_late(run: Run) -> None:
@@ -73,24 +69,17 @@ def delivers_to_who_comes_late(run: Run) -> None:
     late_s = seconds_after_join(run, TOPIC, 'first')
     if late_s > LATEST_S:  # longer than the period of any usual timer
         when = 'seconds' if run.secret else f'{late_s:.2g} s'
-        raise WHY.failed('late', _why_late(run, late_s), when=when)
-
-
-def _why_late(run: Run, late_s: float) -> Cause:
-    """Explain a parcel that arrives some time after a subscription has connected."""
-    periods = Code(run.files).numbers('create_timer')
-    often = periods and min(periods) < late_s / 2
-    return WHY.of('waits' if often else 'late', about=[str(late_s)])
+        raise WHY.failed('delivers_late', when=when, about=[str(late_s)])
 
 
 def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     """Explain why the first subscription receives nothing at first, or why the node ended."""
     if run.recording.of('joined', listener='first') and not lives:
-        return _why_gone(run, 'ended_before')
+        return _why_gone(run)
     if found := parcels(run, 'first'):
         second = run.recording.of('joined', listener='second')
         waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if second else -1
-        return WHY['waits_for_two'] if 0 <= waited_ns <= SOON_S * SECOND else WHY['late']
+        return WHY['waits_for_two'] if 0 <= waited_ns <= SOON_S * SECOND else WHY['delivers_late']
     if why := why_silent(run):
         return why
     code = Code(run.files)
@@ -127,19 +116,8 @@ def delivers_once(run: Run) -> None:
         observed = f'messages for the third subscription: {third}'
     elif counts == [1, 0, 0]:
         expected, observed = 'a node that keeps running after the delivery', GONE
-    why = _why_again(run, *counts) if lives else _why_gone(run, 'ended_later')
+    why = (why_silent(run) or WHY['delivers_again']) if lives else _why_gone(run)
     raise Failed(expected=expected, observed=observed, why=why)
-
-
-def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
-    """Explain why the parcel was delivered more than once."""
-    if why := why_silent(run):
-        return why
-    if first > 2 or (first > 1 and not second):
-        return WHY['repeats']
-    if run.recording.phase('second').messages(TOPIC, 'second'):
-        return WHY['second_too']
-    return WHY['delivers_again'] if second or third else None
 
 
 def build(alone_s: float, between_s: float = 1.0, others: int = 0) -> Exam:

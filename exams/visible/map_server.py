@@ -125,7 +125,7 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
         return WHY['no_first_map']
     if before[0] == FIRST:  # this map arrived after a survey
         return WHY['first_map_late']
-    return WHY['wrong_form' if before[0].strip().lower() == FIRST else 'first_text']
+    return WHY['first_text']
 
 
 def _replaces_empty(run: Run) -> bool:

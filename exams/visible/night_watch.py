@@ -50,6 +50,13 @@ def late(numbers: Sequence[int]) -> list[Levels]:
     return [(WARN,) if number % EVERY == 1 < number else (INFO,) for number in numbers]
 
 
+OTHERWISE = {
+    'watch 5 only': each(lambda number: (WARN,) if number == EVERY else (INFO,)),
+    'every watch': fifths(1),
+    **{f'every multiple of {every}': fifths(every) for every in (2, 3, 4, 6, 10)},
+    'every number that ends in 5': fifths(10, rest=5),
+}
+"""Rules of nodes that warn at other watches, by a description of these watches."""
 ONLY_FIFTHS = WHY.slip('only_fifths', fifths(rest=1, other=()))
 FIFTH_MISSING = WHY.slip('fifth_missing', fifths(warned=()))
 SLIPS = (
@@ -60,10 +67,7 @@ SLIPS = (
     WHY.slip('inverted', fifths(warned=(INFO,), other=(WARN,))),
     WHY.slip('warns_one_early', fifths(rest=EVERY - 1)),
     WHY.slip('warns_one_late', fifths(rest=1), late),
-    WHY.slip('warns_once', each(lambda number: (WARN,) if number == EVERY else (INFO,))),
-    WHY.slip('all_warnings', fifths(1)),
-    *(WHY.slip('warns_otherwise', fifths(every), every=every) for every in (2, 3, 4, 6, 10)),
-    WHY.slip('ends_in_five', fifths(10, rest=5)),
+    *(WHY.slip('warns_otherwise', rule, which=which) for which, rule in OTHERWISE.items()),
 )
 
 

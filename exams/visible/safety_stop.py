@@ -165,9 +165,9 @@ SLIPS = (
     WHY.slip(
         'stops_fast', guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))
     ),
-    WHY.slip('turn_limited', *(turning(partial(within, most=one)) for one in (LIMIT, 1.0, 2.0))),
     WHY.slip(
-        'turn_scaled',
+        'turn_limited',
+        *(turning(partial(within, most=one)) for one in (LIMIT, 1.0, 2.0)),
         guarding(
             lambda one: (right_pair(one)[0], one.turn * right_pair(one)[0] / (one.speed or 1.0))
         ),

@@ -29,7 +29,6 @@ from autograder.judging.causes.redaction import redacted
 from autograder.judging.checks import lines, own_logs, SECOND
 from autograder.judging.claims import node, requests
 from autograder.judging.numbers import near, numbers_in, rounded
-from autograder.judging.rhythm import GRAIN_S
 from autograder.judging.rows import rows
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.results import shortened
@@ -44,12 +43,6 @@ SILENCES_S = {'silence': 1.45, 'long silence': 31.05}
 """Times after the last distance, each with time to log the last missed deadline [s]."""
 BY_RCLPY = 'New publisher discovered on topic'
 """Start of the line that rclpy's default callback logs for an incompatible publisher."""
-REQUEST = {
-    'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
-    'DURABILITY': 'Leave durability out: the sensor keeps nothing for late subscriptions.',
-    'DEADLINE': 'Request deadline=Duration(seconds=0.3), as the sensor promises.',
-    'LIVELINESS': 'Leave liveliness out: the sensor does not assert it manually.',
-}
 WHY = Causes(__file__)
 LOGGED = each(lambda distance: (distance,))
 SLIPS = (
@@ -156,9 +149,7 @@ def _why_unheard(run: Run) -> Cause | None:
         return why_no_endpoint(run, 'subscription', TOPIC, TYPE)
     offered = run.recording.of('offered', publisher='sensor')
     if offered and offered[0]['refused']:
-        policy = offered[0]['refused'][0]
-        repair = REQUEST.get(policy, 'Request no more than the sensor offers.')
-        return WHY.of('refused', policy=policy, repair=repair)
+        return WHY.of('refused', policy=offered[0]['refused'][0])
     return None
 
 
@@ -169,7 +160,7 @@ def warns_of_silence(run: Run) -> None:
         raise Failed(
             expected='no WARN line while no deadline is missed',
             observed=repr(shortened(str(early[0]['text']), 80)),
-            why=_why_default(early) or _why_early(run, early),
+            why=_why_default(early) or WHY['warns_of_something_else'],
             shown_by=early,
         )
     for phase, silence_s in run.facts['silences_s'].items():
@@ -183,17 +174,6 @@ def warns_of_silence(run: Run) -> None:
                 observed=lines(found, WARN),
                 why=_why_other_count(run, silence, due),
             )
-
-
-def _why_early(run: Run, early: Sequence[Event]) -> Cause:
-    """Explain WARN lines without a missed deadline."""
-    begun = [one['clock_ns'] for one in run.recording.of('offered')]
-    alone = all(abs(line['clock_ns'] - one) > GRAIN_S * SECOND for line in early for one in begun)
-    same = {one.get('line') for one in early} <= {
-        one.get('line') for one in own_logs(run.during('silence'), NODE, WARN)
-    }
-    first = early[0]['after_input'] is None
-    return WHY['own_watchdog'] if first and alone and same else WHY['warns_of_something_else']
 
 
 def _why_default(lines: Sequence[Event]) -> Cause | None:
@@ -214,11 +194,8 @@ def _why_other_count(run: Run, silence: Sequence[Event], due: int) -> Cause | No
         return why
     if logged := own_logs(run, NODE, WARN):  # in silences: another check reports others
         return why_left_out(run, WARN, logged) or WHY['first_miss_only']
-    asked = [one for one in deadlines_ns(run) if one]
-    if len(asked) < len(deadlines_ns(run)):
+    if not due or None in deadlines_ns(run):
         return WHY['no_deadline']
-    if not due:
-        return WHY.of('long_deadline', deadline_s=min(asked) / SECOND)
     return why_not_logged(run, silence, WARN) or WHY['no_deadline_callback']
 
 
@@ -231,13 +208,11 @@ def names_the_policy(run: Run) -> None:
         found = own_logs(run.during(publisher), NODE)
         errors = [str(line['text']) for line in found if line['level'] == ERROR]
         if len(errors) != 1:
-            grows = len(errors) == 2 and publisher != next(iter(LAZY))
-            several = WHY['counts_all'] if grows else WHY['several_errors']
             raise Failed(
                 expected=f'1 ERROR line after {LAZY[publisher]} publisher that promises no '
                 'deadline',
                 observed=f'{len(errors) or "no"} ERROR lines',
-                why=several if errors else _why_no_error(run, found),
+                why=WHY['several_errors'] if errors else _why_no_error(run, found),
             )
         policies = lazy[0]['refused'] if lazy else ['DEADLINE']
         if not any(policy in errors[0].upper() for policy in policies):

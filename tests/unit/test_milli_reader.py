@@ -69,7 +69,7 @@ def test_each_number_has_one_reading(indexes, cause):
         (5003, 350_000_000, 'stale_stamp'),
         (5004, 100_000_000, 'stale_stamp'),
         (5003, 600, 'nanoseconds'),
-        (5003, 0, 'whole_seconds'),
+        (5003, 0, 'nanoseconds'),
         (0, 0, 'missing_stamp'),
         (1_767_225_603, 600_000_000, 'wall_clock'),
         (1003, 600_000_000, 'other_clock'),

@@ -326,14 +326,18 @@ class TestHeartbeat:
 
 
 @pytest.mark.parametrize(
-    ('period_s', 'cause'),
-    [(0.1, 'it checks less and less often'), (5.0, 'waits for something else')],
+    ('name', 'line', 'cause_id'),
+    [
+        ('delivers_late', 'time.sleep(3.0)', 'sleeps_before'),
+        ('delivers_late', 'pass', 'delivers_late'),
+        ('delivers_again', 'self.done = False', 'forgets_delivery'),
+        ('delivers_again', 'pass', 'delivers_again'),
+    ],
 )
-def test_late_parcel_is_blamed_on_what_the_code_has(period_s, cause):
-    """If a node already checks often, the cause of the delay is different."""
-    run = run_of(code=f'self.create_timer({period_s}, self.look)\n')
+def test_parcel_is_blamed_on_what_the_code_has(name, line, cause_id):
+    code = f'self.done = False\ncreate_timer(0.1, look)\ndef look():\n    {line}\n'
 
-    assert cause in courier._why_late(run, 3.0).text
+    assert closest(Code({'n.py': code}), courier.WHY[name]).cause_id == cause_id
 
 
 def watched(*events):
@@ -352,16 +356,15 @@ def logged(clock_s, level=WARN, line=30, after_input=None):
 
 class TestSensor:
     @pytest.mark.parametrize(
-        ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
+        ('callback', 'cause_id'), [('miss', 'own_watchdog'), ('tick', 'warns_of_something_else')]
     )
-    def test_watchdog_that_runs_from_the_start_is_reported(self, early_s, cause_id):
-        """A line at the moment of an offer concerns the offer."""
-        offer = at(1.0, 'offered', publisher='weak', matched=False, refused=['DEADLINE'])
-        silence = at(5.0, 'mark', name='silence')
+    def test_timer_that_warns_is_reported_as_own_watchdog(self, callback, cause_id):
+        code = f'create_timer(0.3, {callback})\ndef miss():\n    log.warning()\ndef tick(): pass\n'
 
-        run = watched(offer, logged(early_s), silence, logged(5.3, after_input=2))
+        run = watched(logged(1.3), at(5.0, 'mark', name='silence'))
 
-        assert why(sensor_watch.warns_of_silence, run).cause_id == cause_id
+        found = closest(Code({'n.py': code}), why(sensor_watch.warns_of_silence, run))
+        assert found.cause_id == cause_id
 
     @pytest.mark.parametrize(
         ('text', 'right'),
@@ -396,7 +399,7 @@ class TestSensor:
             events.append(at(begun, 'offered', **offer))
             events += [logged(begun, ERROR)] * (place + 1)
 
-        assert why(sensor_watch.names_the_policy, watched(*events)).cause_id == 'counts_all'
+        assert why(sensor_watch.names_the_policy, watched(*events)).cause_id == 'several_errors'
 
 
 BEACON = {

@@ -147,7 +147,7 @@ class TestStamps:
             (lambda now: CLOCK.at(now) - 2 * 10**8, 'stale_stamp'),
             (lambda now: CLOCK.at(now) + 10**8, 'stale_stamp'),
             (lambda now: CLOCK.at(now) + 1, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) // 10**9 * 10**9, 'whole_seconds'),
+            (lambda now: CLOCK.at(now) // 10**9 * 10**9, 'nanoseconds'),
             (lambda now: 1_790_000_000 * 10**9 + now, 'wall_clock'),
         ],
     )
@@ -173,11 +173,11 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
 @pytest.mark.parametrize(
     ('code', 'cause_id', 'words'),
     [
-        ('timestamp = self.get_clock().now().to_msg()', 'missing_stamp', 'a separate variable'),
+        ('timestamp = self.get_clock().now().to_msg()', 'missing_stamp', 'the field timestamp of'),
         ('# msg.timestamp = now', 'missing_stamp', 'never sets the field timestamp'),
-        ('msg.timestamp = Time()', 'empty_time', 'an empty Time, which is 0'),
+        ('msg.timestamp = Time()', 'stale_stamp', 'an empty Time()'),
         ('msg.timestamp = self.start', 'stale_stamp', 'before the clock ran, as in __init__.'),
-        ('msg = Temperature(timestamp=self.start)', 'stale_stamp', 'it was never set'),
+        ('msg = Temperature(timestamp=self.start)', 'stale_stamp', 'never set'),
     ],
 )
 def test_stamp_of_zero_is_explained_by_what_the_code_does(code, cause_id, words):

@@ -87,7 +87,7 @@ def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Ca
             return cause_of('other_logger')
     if run.recording.logs(level=level) or not logs_with_python(run.files, CALLS[level]):
         return None
-    return cause_of('logging', call=CALLS[level])
+    return cause_of('other_logger')
 
 
 def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | None:

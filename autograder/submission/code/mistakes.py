@@ -1,19 +1,20 @@
 """
-Find mistakes in the code of a student: log calls that skip lines, pauses, unset fields.
+Find mistakes in the code of a student: log calls that skip lines, other loggers, pauses.
 
 As in :mod:`.source_code`, the results affect only messages.
 """
 
 import ast
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from itertools import takewhile
 
-from autograder.submission.code.program import all_arguments, is_stored, last_name
+from autograder.submission.code.program import last_name
 from autograder.submission.code.source_code import Code
 
 SHORT_S = 0.1
 """Calls to ``sleep`` for less than this time [s] are ignored."""
 _OTHERS = (ast.While, ast.Await)
+_OF_PYTHON = ('logging', 'getLogger')
 _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
 
 
@@ -42,57 +43,10 @@ def logs_with_python(files: Mapping[str, str], level: str) -> bool:
 
     :param level: the log calls, such as ``warning``
     """
-    each = (Code({name: text}) for name, text in files.items())
-    found = [one for code in each for one in _are_of_python(code, level)]
-    return bool(found) and all(found)
-
-
-def _are_of_python(code: Code, level: str) -> Iterator[bool]:
-    """Yield, for each log call of one file, whether it uses the module ``logging``."""
-    theirs = set(_logging_names(code)) - {''}  # '' is for targets without a name: items[0]
-    for call in code.calls_to(level):
-        if isinstance(call.func, ast.Attribute):
-            by = call.func.value
-            yield _is_get_logger(by) or last_name(by) in theirs
-
-
-def _logging_names(code: Code) -> Iterator[str]:
-    """Yield the names of the module ``logging`` and of its loggers."""
-    for node in code.nodes:
-        if isinstance(node, ast.Import):
-            yield from (one.asname or one.name for one in node.names if one.name == 'logging')
-        if isinstance(node, ast.Assign) and _is_get_logger(node.value):
-            yield from map(last_name, node.targets)
-
-
-def _is_get_logger(node: ast.AST) -> bool:
-    return isinstance(node, ast.Call) and last_name(node.func) == 'getLogger'
-
-
-def use_of_field(files: Mapping[str, str], field: str) -> str:
-    """
-    Return how code uses a field of a message, whose value may be missing.
-
-    :param field: name of the field, such as ``timestamp``
-    :returns: ``'given'`` if the code has an attribute, keyword argument or string with its name;
-        ``'empty'`` if one of its values is a call to ``Time`` without arguments; ``'local'`` if
-        only a variable has its name; ``'unused'`` otherwise
-    """
     code = Code(files)
-    values = list(code.given(field))
-    named = [one for one in code.nodes if last_name(one) == field]
-    if any(map(_is_empty_time, values)):
-        return 'empty'
-    # A name in quotes may be an argument of setattr(), or a key in a dictionary of fields.
-    if values or field in code.texts or any(isinstance(one, ast.Attribute) for one in named):
-        return 'given'
-    return 'local' if any(map(is_stored, named)) else 'unused'
-
-
-def _is_empty_time(value: ast.AST) -> bool:
-    """Return whether a value contains ``Time()``, as in ``Time().to_msg()``."""
-    calls = (one for one in ast.walk(value) if isinstance(one, ast.Call))
-    return any(last_name(one.func) == 'Time' and not all_arguments(one) for one in calls)
+    given = [one.func.value for one in code.calls_to(level) if isinstance(one.func, ast.Attribute)]
+    loggers = [getattr(one, 'func', one) for one in map(code.origin, given)]
+    return bool(loggers) and all(last_name(one) in _OF_PYTHON for one in loggers)
 
 
 def pause_in_callback(files: Mapping[str, str]) -> tuple[str, int] | None:

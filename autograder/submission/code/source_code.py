@@ -121,6 +121,11 @@ class Code:
         stored = (one for one in self.nodes if is_stored(one))
         return name in self.functions or name in self.texts or name in map(last_name, stored)
 
+    def has_field(self, name: str) -> bool:
+        """Return whether an attribute, a keyword argument or a string has a name."""
+        attributes = (one for one in self.nodes if isinstance(one, ast.Attribute))
+        return name in (*map(last_name, attributes), *self.texts) or any(self.given(name))
+
     def defines_unused(self, name: str) -> bool:
         """Return whether a function is defined but neither called nor passed as an argument."""
         bare = {node.value for node in self.nodes if isinstance(node, ast.Expr)}
