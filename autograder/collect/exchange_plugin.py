@@ -2,23 +2,23 @@
 Plug-ins for nbgrader's release and collect on a machine that students share with instructors.
 
 ``nbgrader_config.py`` names them, so formgrader's buttons and ``nbgrader collect`` use them.  If a
-user hands in work under another user's name, nbgrader itself only warns; the plug-ins refuse it.
+user hands in work under another user's name, nbgrader itself only warns, and it follows links with
+the instructor's permissions; ``collect`` refuses both.
 """
 
 from pathlib import Path
-import tempfile
-from typing import Any
 
 from nbgrader.exchange.default import ExchangeCollect, ExchangeReleaseAssignment
 from traitlets import Dict
 
-from autograder.collect.owners import owner_doubt
-from autograder.collect.source.deliveries import BOUNDS
-from autograder.submission.tree import opened
+from autograder.classroom.course_lock import lock_course
+from autograder.collect.copy_notebooks import collect
+from autograder.collect.platforms import EXCHANGE
+from autograder.collect.table import LEFT
+from autograder.errors import GraderError
+from autograder.explaining.feedback import printable
+from autograder.gradebook.nbgrader_plugin import course_of
 from environment.exchange import protect
-
-COPY_MODE = 0o755
-"""File mode of a collected folder; in the exchange, every user can write to the folder."""
 
 
 class ReleaseProtected(ExchangeReleaseAssignment):
@@ -31,51 +31,36 @@ class ReleaseProtected(ExchangeReleaseAssignment):
 
 
 class CollectFromOwners(ExchangeCollect):
-    """Collect only deliveries whose owner is the student in the name of the folder."""
-
-    src_records: list[dict[str, Any]]
+    """Collect an assignment by the same rules as the command ``collect``."""
 
     owners = Dict(
         help='Name of the system user by student id, where the two differ.',
     ).tag(config=True)
 
     def init_src(self) -> None:
-        """Find the newest delivery of each student among those that the student owns."""
+        """Check the course and the options, of which the command has fewer."""
         super().init_src()
-        self.src_records = [one for one in self.src_records if not one['doubt']]
-
-    def _path_to_record(self, path: str) -> dict[str, Any]:
-        record: dict[str, Any] = super()._path_to_record(path)
-        doubt = self._doubt(Path(path), record['username']) if self.check_owner else ''
-        record['doubt'] = doubt
-        if doubt:
-            self.log.error('%s: not collected: %s', record['filename'], doubt)
-            # nbgrader collects the newest delivery of each user.  Give a refused delivery a
-            # different user name, so that a later forgery cannot hide the student's work.
-            record['username'] = f'not collected: {record["filename"]}'
-        return record
-
-    def _doubt(self, folder: Path, student: str) -> str:
-        inside = [folder, *folder.rglob('*')]
-        if any(path.is_symlink() for path in inside):
-            return f'handed in as {student!r}, but it contains a symbolic link'
-        return owner_doubt(student, {path.lstat().st_uid for path in inside}, self.owners)
+        if self.before_duedate or self.coursedir.student_id not in ('', '*'):
+            self.fail(
+                'Deliveries of one student, or before the due date, cannot be collected alone. '
+                'Leave out --student and --before-duedate; late work is marked as late.'
+            )
 
     def copy_files(self) -> None:
-        """Copy the deliveries that were accepted."""
-        self.check_owner = False  # nbgrader's own check ignores the setting ``owners``.
-        super().copy_files()
-
-    def do_copy(self, src: str, dest: str, log: Any = None) -> None:
-        """
-        Copy one delivery so that only the instructor can write to it.
-
-        nbgrader would follow a link that replaces a file after :meth:`_doubt` has looked at it.
-        """
-        with tempfile.TemporaryDirectory() as folder, opened(Path(src), BOUNDS) as tree:
-            for file in tree.files:
-                path = Path(folder, *file.parts)
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_bytes(file.read())
-            super().do_copy(folder, dest, log)
-        Path(dest).chmod(COPY_MODE)
+        """Collect the deliveries and log each row of the table."""
+        layout = course_of(self.config)
+        try:
+            with lock_course(layout, 'collect'):
+                rows = collect(
+                    Path(self.course_path),
+                    layout,
+                    layout.submitted,
+                    self.coursedir.assignment_id,
+                    EXCHANGE,
+                    trust_names=not self.check_owner,
+                )
+        except GraderError as error:
+            self.fail(str(error))
+        for row in rows:
+            log = self.log.error if row.done == LEFT else self.log.info
+            log(printable(f'{row.place}: {"; ".join((row.done, *row.notes))}'))

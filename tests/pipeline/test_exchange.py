@@ -15,7 +15,6 @@ from nbgrader.apps.api import NbGraderAPI
 import pytest
 
 from autograder.collect.copy_notebooks import collect
-from autograder.collect.exchange_plugin import CollectFromOwners
 from autograder.collect.table import LEFT, TAKEN
 from autograder.gradebook.database import load_config
 from autograder.layout import Layout
@@ -181,7 +180,8 @@ def test_formgrader_refuses_what_the_instructor_laid_until_the_owner_is_recorded
     assert f"handed in as 'ann', but owned by '{ME}'" in refused['log']
     assert collected(course) == {}
 
-    nbgrader.config.ExchangeCollect.owners = {'ann': ME}
+    with (course.root / 'nbgrader_config.py').open('a', encoding='utf-8') as file:
+        file.write(f"c.ExchangeCollect.owners = {{'ann': {ME!r}}}\n")
     answer = nbgrader.collect(ASSIGNMENT)
 
     assert 'cheating' not in answer['log']
@@ -207,19 +207,30 @@ def test_formgrader_follows_no_link_to_the_solutions(nbgrader, exchange, course)
 
     answer = nbgrader.collect(ASSIGNMENT)
 
-    assert f"handed in as '{ME}', but it contains a symbolic link" in answer['log']
+    assert f'{NOTEBOOK}: not taken; a link or a special file' in answer['log']
     assert collected(course) == {}
 
 
-def test_formgrader_copies_no_link_that_replaces_a_file_after_it_was_examined(
-    nbgrader, exchange, course, monkeypatch
-):
+def test_formgrader_collects_the_others_if_a_delivery_is_too_large(nbgrader, exchange, course):
+    """A recorded bag among the files does not end the collection, and an update loses nothing."""
     folder = lay(exchange, ME)
-    (folder / NOTEBOOK).unlink()
-    (folder / NOTEBOOK).symlink_to(course.solutions / ASSIGNMENT / NOTEBOOK)
-    monkeypatch.setattr(CollectFromOwners, '_doubt', lambda *_: '')
-
     nbgrader.collect(ASSIGNMENT)
+    with (folder / 'run.mcap').open('wb') as file:
+        file.truncate(1 << 30)
+    (folder / NOTEBOOK).write_text('mine, again', encoding='utf-8')
 
-    assert not (course.submitted / ME / ASSIGNMENT / NOTEBOOK).exists()
-    assert (course.submitted / ME / ASSIGNMENT / 'timestamp.txt').is_file()
+    answer = nbgrader.collect(ASSIGNMENT)
+
+    assert answer['success']
+    assert collected(course) == {ME: 'mine, again'}
+
+
+def test_collect_refuses_options_that_it_does_not_have(nbgrader, exchange, course):
+    lay(exchange, ME)
+    nbgrader.config.ExchangeCollect.before_duedate = True
+
+    answer = nbgrader.collect(ASSIGNMENT)
+
+    assert not answer['success']
+    assert 'Leave out --student and --before-duedate' in answer['log'] + answer['error']
+    assert collected(course) == {}
