@@ -7,7 +7,7 @@ student is collected.  Otherwise a file in the wrong format would appear only in
 collection, and later reports could not explain why the student is missing.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass, replace
 import json
 import os
@@ -121,11 +121,13 @@ def printable_name(name: str) -> str:
     return ' '.join(kept.split())[:LONGEST_NAME].rstrip()
 
 
-def save_collected(layout: Layout, found: Iterable[Work], without: str = '') -> None:
+def save_collected(
+    layout: Layout, found: Iterable[Work] = (), without: Collection[Work] = ()
+) -> None:
     """
     Add work; it replaces earlier work of the student for the assignment with the same outcome.
 
-    :param without: a student whose entries are removed
+    :param without: entries to remove
     :raises GraderError: if the file is damaged
     :raises OSError: if the file cannot be written
     """
@@ -138,7 +140,7 @@ def save_collected(layout: Layout, found: Iterable[Work], without: str = '') -> 
     kept = [
         {name: value for name, value in asdict(one).items() if value}
         for one in known.values()
-        if one.student != without and (not one.why or _is_missing(layout, one))
+        if one not in without and (not one.why or _is_missing(layout, one))
     ]
     save_json(layout.collected, kept)
 

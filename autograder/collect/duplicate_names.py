@@ -49,7 +49,7 @@ def _doubt(one: Delivery, shared: bool, earlier: str) -> str:
         return (
             f'perhaps a different {name!r}: number {number} in Moodle, earlier {earlier}; add an '
             f'id to the name of the folder as in "{name} ID_{number}_assignsubmission_file", or, '
-            'if Moodle has two assignments for this work, delete _work/collected.json and collect '
-            'the other assignments again'
+            f'if Moodle has two assignments for this work, remove {earlier} from '
+            '_work/collected.json'
         )
     return ''

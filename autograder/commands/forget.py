@@ -33,8 +33,6 @@ from autograder.submission.inbox import students_in
 
 Trace = tuple[Sequence[str], Callable[[], object]]
 """Data about a student, one line for each item, and the function that removes this data."""
-OF_EARLIER_VERSIONS = ('people.json', 'delivered.json', 'not_collected.json', 'namesakes.json')
-"""Files of ``collect`` with data about all students, which no command reads any more."""
 
 
 @takes(
@@ -89,22 +87,24 @@ def traces(layout: Layout, student: str) -> Iterator[Trace]:
     """
     Yield all data about one student, without changing anything.
 
-    The submission comes first, because a grading that found it would undo the removal.  The
-    entries of ``collect`` come before the results, because removing these rewrites the reports.
+    The submission comes first, because a grading that found it would undo the removal.  Refused
+    work comes before the results, because removing these rewrites the reports.  The other entries
+    of ``collect`` come last: they contain the name, which is needed to repeat a failed removal.
     """
     place = layout.submitted / student
     if _is_folder(place):
         yield _submission(layout, place)
-    saved = [_in_words(one) for one in read_collected(layout) if one.student == student]
-    yield saved, partial(save_collected, layout, (), without=student)
+    saved = [one for one in read_collected(layout) if one.student == student]
+    refused = [one for one in saved if one.why]
+    others = [one for one in saved if not one.why]
+    if refused:
+        yield list(map(_in_words, refused)), partial(save_collected, layout, without=refused)
     yield list(_results(layout, student)), partial(remove_entries, layout, {student})
     for folder in (layout.work / 'autograded' / student, layout.work / 'feedback' / student):
         if _is_folder(folder):
             yield [f'folder: {relative_path(folder, layout)}'], partial(shutil.rmtree, folder)
-    for path in (layout.work / name for name in OF_EARLIER_VERSIONS):
-        if path.is_file():
-            said = f'file of an earlier version, no longer read: {relative_path(path, layout)}'
-            yield [said], partial(path.unlink, missing_ok=True)
+    if others:
+        yield list(map(_in_words, others)), partial(save_collected, layout, without=others)
 
 
 def _submission(layout: Layout, place: Path) -> Trace:

@@ -65,7 +65,8 @@ def autograde(
 
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
     :param facts: what :mod:`autograder.gradebook.nbgrader_plugin` needs about each student: the
-        ``result``, and ``same_work``, whether the answers are unchanged since the last entry
+        ``result``, the ``name`` or an empty string, and ``same_work``, whether the answers are
+        unchanged since the last entry
     :raises GraderError: with nbgrader's message, if some students failed; the others are recorded,
         unless the database or the disk failed
     """

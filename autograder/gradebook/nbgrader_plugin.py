@@ -14,7 +14,6 @@ nbgrader itself runs student code and tests in one kernel and trusts the outputs
 nbgrader's formgrader, feedback and export work unchanged.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -259,7 +258,10 @@ class SaveGrades(SaveAutoGrades):
                 given = more.get((facts['student'], facts['assignment']))
                 # nbgrader fails if it adds extra time to a missing due date.
                 submission.extension = given if submission.assignment.duedate else None
-            _name(submission.student, read_people(layout))
+            name = facts.get('name')
+            if name is None:
+                name = read_people(layout).get(facts['student'], '')
+            _enter_name(submission.student, name)
             gradebook.db.commit()
         self._unusable = any(problem.unusable for problem in from_node(nb).problems)
         return super().preprocess(nb, resources)
@@ -292,7 +294,7 @@ class SaveGrades(SaveAutoGrades):
         self.gradebook.db.commit()
 
 
-def _name(student: Student, people: Mapping[str, str]) -> None:
+def _enter_name(student: Student, name: str) -> None:
     """
     Enter the name of a student for formgrader, or else the id, unless the gradebook has a name.
 
@@ -300,6 +302,6 @@ def _name(student: Student, people: Mapping[str, str]) -> None:
     """
     if student.first_name or student.last_name not in (None, '', student.id):
         return
-    first, _, last = people.get(student.id, '').rpartition(' ')
+    first, _, last = name.rpartition(' ')
     student.first_name = first or (student.id if last else '')
     student.last_name = last or student.id

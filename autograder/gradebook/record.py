@@ -15,6 +15,7 @@ import tempfile
 from typing import Any
 
 from autograder.classroom.pages import write_all_reports
+from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import results_file, results_of_others
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam.exam import Exam
@@ -56,12 +57,13 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
     """
     from autograder.gradebook import converters
 
-    facts = {}
+    facts, people = {}, read_people(layout)
     with tempfile.TemporaryDirectory(prefix='staged_', dir=layout.work) as folder:
         for one in graded:
             if one.submission.recordable:
                 student, same = one.result.student, _is_same_work(layout, lesson, one)
-                facts[student] = {'result': one.result, 'same_work': same}
+                name = people.get(student, '')
+                facts[student] = {'result': one.result, 'same_work': same, 'name': name}
                 _stage(Path(folder, student, lesson.assignment), lesson.notebook, one)
         if facts:
             converters.autograde(layout, lesson.assignment, Path(folder), facts)

@@ -381,10 +381,10 @@ def forgets_a_student(course: Layout) -> None:
     assert len(list(traces(course, '1001'))) == 4
     assert grade(course) == 0  # a listing changes nothing
 
-    moved, *lines, folder = forget(course, '1001')
+    moved, *lines, folder, name = forget(course, '1001')
     assert moved.endswith('1001')
+    assert name == 'saved by collect: Ann Example'
     assert lines == [
-        'saved by collect: Ann Example',
         f'gradebook: {ASSIGNMENT}, 54 points, 4 of them given by hand',
         f'reports: result and page of {ASSIGNMENT}',
         f'journal of the gradebook: {ASSIGNMENT}',

@@ -1,5 +1,8 @@
 """``forget`` lists all data about a student, and removes it with ``--yes``."""
 
+from argparse import Namespace
+from unittest.mock import Mock
+
 from collect_sources import (
     CANVAS,
     GOOD,
@@ -36,7 +39,7 @@ def students(course):
 
 def test_list_has_everything_and_changes_nothing(course, capsys):
     """The submission comes first, as it is removed first."""
-    laid(course.work, {'people.json': b'{}', 'feedback/1001/x.html': b''})
+    laid(course.work, {'feedback/1001/x.html': b''})
     write_all_reports(course, TALK, [submission('1001')])
 
     assert command.main(['forget', 'EXAMPLEANN', '1001', '1004']) == OK
@@ -44,24 +47,21 @@ def test_list_has_everything_and_changes_nothing(course, capsys):
         '1001:',
         '  moved to autograder/_work/forgotten so that it is not graded again: '
         'autograder/_work/submitted/1001',
-        f'  saved by collect: exampleann, {TALK}, exampleann_1001_55077_talk-1.ipynb',
         f'  reports: result and page of {TALK}',
         '  folder: autograder/_work/feedback/1001',
-        '  file of an earlier version, no longer read: autograder/_work/people.json',
+        f'  saved by collect: exampleann, {TALK}, exampleann_1001_55077_talk-1.ipynb',
         '1004:',
         f'  saved by collect: diaz, {TALK}, no notebook, only essay.pdf',
-        '  file of an earlier version, no longer read: autograder/_work/people.json',
         'Nothing was removed. To remove all this, run the same command with --yes',
     ]
     assert students(course) >= {'1001', '1004'}
     assert (course.submitted / '1001').is_dir()
-    assert (course.work / 'people.json').is_file()
     assert not (course.work / 'forgotten').exists()
 
 
 def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
     """A student without a submission also leaves the list of missing work in the reports."""
-    laid(course.work, {'people.json': b'{}', 'feedback/1001/x.html': b''})
+    laid(course.work, {'feedback/1001/x.html': b''})
     write_all_reports(course, TALK, [submission('1001'), submission('1002')])
     page = course.reports / TALK / 'class.html'
     assert 'essay.pdf' in page.read_text('utf-8')
@@ -74,7 +74,6 @@ def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
     (moved,) = (course.work / 'forgotten').iterdir()
     assert (moved / TALK / 'talk.ipynb').is_file()
     assert not (course.work / 'feedback' / '1001').exists()
-    assert not (course.work / 'people.json').exists()
     assert command.main(['forget', '1001']) == command.USAGE
     assert 'Did you mean' in capsys.readouterr().err
 
@@ -101,3 +100,15 @@ def test_shared_id_is_forgotten(course, tmp_path, capsys):
     assert command.main(['forget', 'Li Wei', '--yes']) == OK
     assert '  saved by collect: two people have this id' in capsys.readouterr().out
     assert 'Li Wei' not in students(course)
+
+
+def test_a_removal_that_failed_can_be_repeated_with_the_name(course, monkeypatch, capsys):
+    write_all_reports(course, TALK, [submission('1001')])
+    with monkeypatch.context() as broken:
+        broken.setattr(forget, 'remove_entries', Mock(side_effect=OSError('disk')))
+        with pytest.raises(OSError, match='disk'):
+            forget.run(Namespace(students=['exampleann'], yes=True))
+
+    assert command.main(['forget', 'exampleann', '--yes']) == OK
+    assert '1001' not in students(course)
+    assert not last_results(course, TALK)
