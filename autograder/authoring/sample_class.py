@@ -79,13 +79,14 @@ def expected_of(sample: Path) -> dict[str, Any]:
 
 def own_files(sample: Path) -> dict[str, Path]:
     """Return the files in which a sample differs from the reference, by their paths."""
-    paths = sorted(path for path in sample.rglob('*') if path.is_file())
-    found = {path.relative_to(sample).as_posix().removesuffix(DIFF): path for path in paths}
-    return {
-        name: path
-        for name, path in found.items()
-        if name != 'expected.json' and '__pycache__' not in name
-    }
+    found: dict[str, Path] = {}
+    for path in sorted(path for path in sample.rglob('*') if path.is_file()):
+        name = path.relative_to(sample).as_posix().removesuffix(DIFF)
+        if name in found:
+            raise GraderError(f'{sample.name}: both {name} and {name}{DIFF}.', 'Delete one.')
+        if name != 'expected.json' and '__pycache__' not in name:
+            found[name] = path
+    return found
 
 
 def changed(text: str, diff: str) -> str:
@@ -102,8 +103,11 @@ def changed(text: str, diff: str) -> str:
         or a space (both)
     :raises GraderError: if the old lines of a change do not occur exactly once
     """
+    before, *changes = f'\n{diff}'.split('\n@@\n')
+    if before or not changes:
+        raise GraderError('A diff does not begin with a line @@.')
     text = f'\n{text}\n'
-    for change in diff.split('@@\n')[1:]:
+    for change in changes:
         lines = change.splitlines()
         old, new = (
             ''.join(f'\n{line[1:]}' for line in lines if line[:1] != skipped) + '\n'

@@ -11,14 +11,13 @@ TEXT = 'rate = 1.0\n\nstart()\nwait()\nstart()'
 @pytest.mark.parametrize(
     ('diff', 'result'),
     [
-        ('', TEXT),
         ('@@\n-rate = 1.0\n+rate = 2.0\n', 'rate = 2.0\n\nstart()\nwait()\nstart()'),
         ('@@\n wait()\n-start()\n', 'rate = 1.0\n\nstart()\nwait()'),
         ('@@\n \n+begin()\n', 'rate = 1.0\n\nbegin()\nstart()\nwait()\nstart()'),
         ('@@\n\n+begin()\n', 'rate = 1.0\n\nbegin()\nstart()\nwait()\nstart()'),
         ('@@\n-rate = 1.0\n@@\n-wait()\n+stop()\n', '\nstart()\nstop()\nstart()'),
     ],
-    ids=['none', 'line', 'context', 'inserted', 'stripped blank', 'two changes'],
+    ids=['line', 'context', 'inserted', 'stripped blank', 'two changes'],
 )
 def test_changes_are_applied(diff, result):
     assert changed(TEXT, diff) == result
@@ -29,10 +28,13 @@ def test_changes_are_applied(diff, result):
     [
         ('@@\n-start()\n+stop()\n', 'occur 2 times'),
         ('@@\n-rate = 1\n+rate = 2\n', 'occur 0 times'),
+        ('-rate = 1.0\n+rate = 2.0\n', 'does not begin with a line @@'),
+        ('--- a\n+++ b\n@@ -1 +1 @@\n-rate = 1.0\n', 'does not begin with a line @@'),
+        ('', 'does not begin with a line @@'),
     ],
-    ids=['ambiguous', 'part of a line'],
+    ids=['ambiguous', 'part of a line', 'no mark', 'line numbers', 'empty'],
 )
-def test_a_change_without_exactly_one_place_is_an_error(diff, words):
+def test_a_diff_that_does_not_fit_is_an_error(diff, words):
     with pytest.raises(GraderError, match=words):
         changed(TEXT, diff)
 
@@ -46,3 +48,11 @@ def test_own_files_have_the_names_of_the_files_that_they_change(tmp_path):
         'talker.py': tmp_path / 'talker.py',
         'msg/Station.msg': tmp_path / 'msg' / 'Station.msg.diff',
     }
+
+
+def test_a_file_and_its_diff_exclude_each_other(tmp_path):
+    for name in ('talker.py', 'talker.py.diff'):
+        (tmp_path / name).write_text('', encoding='utf-8')
+
+    with pytest.raises(GraderError, match=r'both talker\.py and talker\.py\.diff'):
+        own_files(tmp_path)
