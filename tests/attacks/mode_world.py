@@ -108,10 +108,12 @@ def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
 def held_run(box: sandbox.Sandbox) -> None:
     """Start a program without releasing it, print a line, and wait to be killed."""
     with box.turn(), submission_folder({'x.py': ''}) as (submission, home):
-        program = Program((box.ros.python, '/submission/x.py'), {str(submission): '/submission'})
-        box.start(program, Limits(), home)
+        argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')
+        program = Program(argv, {**INSIDE, str(submission): '/submission'})
+        held = box.start(program, Limits(), home)
         print('up', flush=True)
         sys.stdin.read()
+        held.kill()
 
 
 def endless_run(box: sandbox.Sandbox) -> None:
