@@ -10,7 +10,9 @@ from autograder.exam.slips import Change
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.text_table import cause_of
 
-COUNT_IN = 'Set self.count = 0 once, in __init__(), and add 1 once, in the callback.'
+COUNT_IN = (
+    'Set self.count = 0 once, in __init__(). In the callback, add 1 once, then build the text.'
+)
 _NUMBER = re.compile(
     r'[-+]?(?:\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|\b(?:nan|inf(?:inity)?)\b)', re.IGNORECASE
 )

@@ -75,7 +75,8 @@ def why_starved(run: Run) -> Cause | None:
         locks = calls.keys() & {'Lock', 'RLock', 'Semaphore'}
         if 'MultiThreadedExecutor' not in calls:
             return replace(WHY['starved'], act='spin()')
-        return WHY['waits_for_lock'] if apart and locks else WHY['starved']
+        closer = [WHY['beats_left_out']] * apart
+        return WHY['waits_for_lock'] if apart and locks else replace(WHY['starved'], closer=closer)
     last_s = max((one['clock_ns'] for one in run.recording.of('input')), default=0) / SECOND
     late = [end for begun, end in pairwise(beats) if end - begun > BEAT_S + GRAIN_S]
     starved = late and all(last_s < one < results[-1] + BEAT_S for one in late)

@@ -10,6 +10,7 @@ from ``cmd_vel_raw`` at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 t
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import pairwise
+import math
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Exam, Run, Scenario
@@ -105,6 +106,18 @@ def turning(change: Change) -> Rule:
     return guarding(lambda one: (within(one.speed, LIMIT), change(one.turn)))
 
 
+def ignoring_fast(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
+    """Return what a node publishes that treats commands above the limit as a silence."""
+    found, silence_s = [], math.inf  # since the last other command
+    for one in inputs:
+        fast = abs(one.speed) > LIMIT
+        before_s = silence_s if fast else 0.0
+        silence_s = before_s + one.lasts_s
+        stop = [STOP] * (before_s <= SILENCE_S < silence_s)
+        found.append((*([] if fast else [right_pair(one)]), *stop))
+    return found
+
+
 def skipping(instead: Sequence[Pair]) -> Rule:
     """Return the rule of a safety stop that skips a command that equals the previous one."""
 
@@ -156,6 +169,7 @@ SLIPS = (
         *(losing(lambda one, after: after, at_first) for at_first in (False, True)),
     ),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
+    WHY.slip('drops_fast', ignoring_fast),
     WHY.slip(
         'speed_scaled',
         limiting(lambda speed, most: speed * most),
