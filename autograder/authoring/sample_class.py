@@ -103,12 +103,12 @@ def changed(text: str, diff: str) -> str:
         or a space (both)
     :raises GraderError: if the old lines of a change do not occur exactly once
     """
-    before, *changes = f'\n{diff}'.split('\n@@\n')
+    before, *changes = f'\n{diff}'.removesuffix('\n').split('\n@@\n')
     if before or not changes:
         raise GraderError('A diff does not begin with a line @@.')
     text = f'\n{text}\n'
     for change in changes:
-        lines = change.splitlines()
+        lines = change.split('\n')
         old, new = (
             ''.join(f'\n{line[1:]}' for line in lines if line[:1] != skipped) + '\n'
             for skipped in '+-'

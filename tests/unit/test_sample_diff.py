@@ -15,9 +15,10 @@ TEXT = 'rate = 1.0\n\nstart()\nwait()\nstart()'
         ('@@\n wait()\n-start()\n', 'rate = 1.0\n\nstart()\nwait()'),
         ('@@\n \n+begin()\n', 'rate = 1.0\n\nbegin()\nstart()\nwait()\nstart()'),
         ('@@\n\n+begin()\n', 'rate = 1.0\n\nbegin()\nstart()\nwait()\nstart()'),
+        ('@@\n-rate = 1.0\n+rate = 2.0\n\n@@\n-wait()\n', 'rate = 2.0\n\nstart()\nstart()'),
         ('@@\n-rate = 1.0\n@@\n-wait()\n+stop()\n', '\nstart()\nstop()\nstart()'),
     ],
-    ids=['line', 'context', 'inserted', 'stripped blank', 'two changes'],
+    ids=['line', 'context', 'inserted', 'stripped blank', 'blank at the end', 'two changes'],
 )
 def test_changes_are_applied(diff, result):
     assert changed(TEXT, diff) == result
