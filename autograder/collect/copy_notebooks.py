@@ -57,6 +57,8 @@ def collect(
     extensions(layout)  # Report a wrong file before anything is copied.
     with opened(source, deliveries.BOUNDS) as tree:
         kind, found, unknown = find_deliveries(tree, course, kind, prefix)
+        if kind == EXCHANGE and assignment:
+            found = [one for one in found if one.assignment == assignment]
         if kind == EXCHANGE and not trust_names:
             check_owners(found, layout)
         notebooks = {one: read_notebooks(one, course, assignment) for one in found}

@@ -13,7 +13,7 @@ from traitlets import Dict
 
 from autograder.classroom.course_lock import lock_course
 from autograder.collect.copy_notebooks import collect
-from autograder.collect.platforms import EXCHANGE
+from autograder.collect.platforms import EXCHANGE, INBOUND
 from autograder.collect.table import LEFT
 from autograder.errors import GraderError
 from autograder.explaining.feedback import printable
@@ -34,12 +34,15 @@ class CollectFromOwners(ExchangeCollect):
     """Collect an assignment by the same rules as the command ``collect``."""
 
     owners = Dict(
-        help='Name of the system user by student id, where the two differ.',
+        help='Name of the system user by student id, where the two differ. Only the value in the '
+        "course's nbgrader_config.py counts.",
     ).tag(config=True)
 
     def init_src(self) -> None:
-        """Check the course and the options, of which the command has fewer."""
-        super().init_src()
+        """Find the course, and refuse options that the command does not have."""
+        self.course_path = str(Path(self.root, self.coursedir.course_id))
+        if not Path(self.course_path, INBOUND).is_dir():
+            self.fail(f'{self.course_path}: there is no course with released assignments.')
         if self.before_duedate or self.coursedir.student_id not in ('', '*'):
             self.fail(
                 'Deliveries of one student, or before the due date, cannot be collected alone. '

@@ -85,7 +85,7 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
     :param wanted: the only assignment to collect; empty for all.  It is set in the delivery, and a
         delivery that cannot be collected is refused without reading its files
     """
-    delivery.refused = _unusable(delivery, course, wanted)
+    delivery.refused = _unusable(delivery, course)
     delivery.assignment = wanted or delivery.assignment
     if delivery.refused:
         return []
@@ -115,15 +115,13 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
     return notebooks
 
 
-def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
+def _unusable(delivery: Delivery, course: Course) -> str:
     """Return why a delivery cannot be collected, empty if it can."""
     name = delivery.assignment
     if not delivery.id:
         return 'no letter or digit in the name'
     if delivery.refused:
         return delivery.refused
-    if name and wanted and name != wanted:
-        return f'handed in for {name}'
     if name and name not in course.assignments:
         return f'{name}: not an assignment of this course; name one with --assignment'
     return '' if delivery.files else 'no file that can be read'

@@ -21,6 +21,7 @@ from collect_sources import (
 )
 import pytest
 
+from autograder.classroom.collected import read_not_collected
 from autograder.collect.table import LEFT, TAKEN
 from autograder.submission.tree import UnusableUploadError
 
@@ -274,10 +275,9 @@ class TestExchange:
 
         assert collect(source, layout, layout.submitted) == []
 
-    def test_work_for_another_assignment_is_not_taken_for_the_one_wanted(self, tmp_path, layout):
+    def test_work_for_another_assignment_is_ignored_if_one_is_wanted(self, tmp_path, layout):
         """Only the assignment in the folder's name counts, whatever its notebook contains."""
         files = {f'inbound/ann+{LISTEN}+2026-03-01 12:00:00 UTC+x/listen.ipynb': b'{}'}
 
-        (row,) = collect(laid(tmp_path / 'e', files), layout, layout.submitted, assignment=TALK)
-
-        assert (row.done, row.notes) == (LEFT, (f'handed in for {LISTEN}',))
+        assert not collect(laid(tmp_path / 'e', files), layout, layout.submitted, assignment=TALK)
+        assert not read_not_collected(layout)
