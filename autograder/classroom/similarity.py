@@ -226,7 +226,15 @@ def compare(
         for (one, first), (two, second) in combinations(enumerate(names), 2)
         if not {first, second} <= references.keys()
     ]
-    alike = sorted((one for one in found if one[0] >= at_least), key=lambda one: -one[0])
+    # List each copy once, beside the first submission with the same text.
+    firsts: dict[Tokens, str] = {}
+    first_of = {name: firsts.setdefault(tuple(texts[name]), name) for name in names}
+    alike = [
+        (score, first, second)
+        for score, first, second in found
+        if score >= at_least and first_of[first] == first and first_of[second] in (first, second)
+    ]
+    alike.sort(key=lambda one: -one[0])
     return Similar(
         compared=len(answers.keys() - set(short)),
         short=short,
