@@ -116,8 +116,15 @@ def delivers_once(run: Run) -> None:
         observed = f'messages for the third subscription: {third}'
     elif counts == [1, 0, 0]:
         expected, observed = 'a node that keeps running after the delivery', GONE
-    why = (why_silent(run) or WHY['delivers_again']) if lives else _why_gone(run)
+    why = (why_silent(run) or _why_again(first, second)) if lives else _why_gone(run)
     raise Failed(expected=expected, observed=observed, why=why)
+
+
+def _why_again(first: int, second: int) -> Cause:
+    """Explain further parcels, given how many the first two subscriptions received."""
+    # The matched callback does not run again while only the first subscription is connected.
+    again = first > 2 or (first > 1 and not second)
+    return WHY.of('delivers_again', closer=[WHY['forgets_delivery']] if again else ())
 
 
 def build(alone_s: float, between_s: float = 1.0, others: int = 0) -> Exam:

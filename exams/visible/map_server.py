@@ -120,7 +120,9 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
     if found.count(FIRST) > 1:
         if run.asked('maps').cause(compared(run)) is ONE_BEHIND:
             return ONE_BEHIND
-        return WHY['replaces_empty'] if _replaces_empty(run) else WHY['first_repeats']
+        # Before any survey, only a timer repeats the map.
+        act = 'publishing_timer' if found[:2] == (FIRST, FIRST) else ''
+        return WHY['replaces_empty'] if _replaces_empty(run) else WHY.of('first_repeats', act=act)
     if not before:
         return WHY['no_first_map']
     if before[0] == FIRST:  # this map arrived after a survey

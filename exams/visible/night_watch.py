@@ -51,7 +51,6 @@ def late(numbers: Sequence[int]) -> list[Levels]:
 
 
 OTHERWISE = {
-    'watch 5 only': each(lambda number: (WARN,) if number == EVERY else (INFO,)),
     'every watch': fifths(1),
     **{f'every multiple of {every}': fifths(every) for every in (2, 3, 4, 6, 10)},
     'every number that ends in 5': fifths(10, rest=5),
@@ -67,6 +66,7 @@ SLIPS = (
     WHY.slip('inverted', fifths(warned=(INFO,), other=(WARN,))),
     WHY.slip('warns_one_early', fifths(rest=EVERY - 1)),
     WHY.slip('warns_one_late', fifths(rest=1), late),
+    WHY.slip('only_five', each(lambda number: (WARN,) if number == EVERY else (INFO,))),
     *(WHY.slip('warns_otherwise', rule, which=which) for which, rule in OTHERWISE.items()),
 )
 

@@ -24,11 +24,16 @@ from autograder.exam.specification import each, Specification
 from autograder.exam.steps import Advance, Feed, Leave, Mark, Offer, Qos, Step
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
-from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
+from autograder.judging.causes.missing_logs import (
+    lines_of_code,
+    why_left_out,
+    why_not_logged,
+)
 from autograder.judging.causes.redaction import redacted
 from autograder.judging.checks import lines, own_logs, SECOND
 from autograder.judging.claims import node, requests
 from autograder.judging.numbers import near, numbers_in, rounded
+from autograder.judging.rhythm import GRAIN_S
 from autograder.judging.rows import rows
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.results import shortened
@@ -160,7 +165,7 @@ def warns_of_silence(run: Run) -> None:
         raise Failed(
             expected='no WARN line while no deadline is missed',
             observed=repr(shortened(str(early[0]['text']), 80)),
-            why=_why_default(early) or WHY['warns_of_something_else'],
+            why=_why_default(early) or _why_early(run, early),
             shown_by=early,
         )
     for phase, silence_s in run.facts['silences_s'].items():
@@ -174,6 +179,15 @@ def warns_of_silence(run: Run) -> None:
                 observed=lines(found, WARN),
                 why=_why_other_count(run, silence, due),
             )
+
+
+def _why_early(run: Run, early: Sequence[Event]) -> Cause:
+    """Explain WARN lines without a missed deadline."""
+    begun = [one['clock_ns'] for one in run.recording.of('offered')]
+    alone = all(abs(line['clock_ns'] - one) > GRAIN_S * SECOND for line in early for one in begun)
+    same = lines_of_code(early) <= lines_of_code(own_logs(run.during('silence'), NODE, WARN))
+    first = early[0]['after_input'] is None
+    return WHY['own_watchdog'] if first and alone and same else WHY['warns_of_something_else']
 
 
 def _why_default(lines: Sequence[Event]) -> Cause | None:

@@ -356,15 +356,16 @@ def logged(clock_s, level=WARN, line=30, after_input=None):
 
 class TestSensor:
     @pytest.mark.parametrize(
-        ('callback', 'cause_id'), [('miss', 'own_watchdog'), ('tick', 'warns_of_something_else')]
+        ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
     )
-    def test_timer_that_warns_is_reported_as_own_watchdog(self, callback, cause_id):
-        code = f'create_timer(0.3, {callback})\ndef miss():\n    log.warning()\ndef tick(): pass\n'
+    def test_watchdog_that_runs_from_the_start_is_reported(self, early_s, cause_id):
+        """A line at the moment of an offer concerns the offer."""
+        offer = at(1.0, 'offered', publisher='weak', matched=False, refused=['DEADLINE'])
+        silence = at(5.0, 'mark', name='silence')
 
-        run = watched(logged(1.3), at(5.0, 'mark', name='silence'))
+        run = watched(offer, logged(early_s), silence, logged(5.3, after_input=2))
 
-        found = closest(Code({'n.py': code}), why(sensor_watch.warns_of_silence, run))
-        assert found.cause_id == cause_id
+        assert why(sensor_watch.warns_of_silence, run).cause_id == cause_id
 
     @pytest.mark.parametrize(
         ('text', 'right'),

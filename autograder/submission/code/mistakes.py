@@ -46,7 +46,9 @@ def logs_with_python(files: Mapping[str, str], level: str) -> bool:
     code = Code(files)
     given = [one.func.value for one in code.calls_to(level) if isinstance(one.func, ast.Attribute)]
     loggers = [getattr(one, 'func', one) for one in map(code.origin, given)]
-    return bool(loggers) and all(last_name(one) in _OF_PYTHON for one in loggers)
+    imported = (one for node in code.nodes if isinstance(node, ast.Import) for one in node.names)
+    names = {*_OF_PYTHON, *(one.asname for one in imported if one.name == 'logging')}
+    return bool(loggers) and all(last_name(one) in names for one in loggers)
 
 
 def pause_in_callback(files: Mapping[str, str]) -> tuple[str, int] | None:
