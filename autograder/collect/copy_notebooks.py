@@ -24,6 +24,7 @@ from autograder.collect.source.course import Course
 from autograder.collect.source.times import read_time, STAMP
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
 from autograder.files import write_atomically
+from autograder.gradebook.record import SECRET
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
 from autograder.submission.tree import opened, Tree, UnreadableError
@@ -124,11 +125,26 @@ def _take(one: Chosen, course: Course, to: Path, write: bool) -> Row:
     """Copy a notebook to nbgrader's folder, and return its row."""
     try:
         done, said = write_copy(one, course.file_names[one.row.assignment], to, write)
+        if write and done in (TAKEN, REPLACED):
+            _copy_secret(one, to)
     except OSError as error:
         done, said = LEFT, _unwritable(error)
     except UnreadableError as error:
         done, said = LEFT, str(error)
     return replace(one.row, done=done, notes=(*filter(None, (said,)), *one.row.notes))
+
+
+def _copy_secret(one: Chosen, to: Path) -> None:
+    """
+    Copy the file from which nbgrader derives the name of the student's feedback in the exchange.
+
+    :raises OSError: if the copy cannot be written
+    :raises UnreadableError: if the file cannot be read
+    """
+    for delivered in one.notebook.delivery.files:
+        if delivered.file.path == SECRET:
+            path = to / one.row.student / one.row.assignment / SECRET
+            write_atomically(path, delivered.file.read())
 
 
 def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:

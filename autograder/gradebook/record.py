@@ -27,6 +27,9 @@ from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import is_check, marks_of, Notebook, read_release
 from autograder.submission.reading import read_file
 
+SECRET = 'submission_secret.txt'
+"""nbgrader's file from which the exchange derives the name of the student's feedback."""
+
 
 def enter_assignment(layout: Layout, assignment: str) -> None:
     """Enter the cells and points of an assignment in the gradebook, from its solution."""
@@ -123,6 +126,9 @@ def _stage(folder: Path, notebook: str, graded: Graded) -> None:
     stamp = timestamp_of(graded.submission.folder)
     if stamp:
         (folder / 'timestamp.txt').write_text(stamp, encoding='utf-8')
+    secret, _ = read_file(graded.submission.folder / SECRET, SECRET)
+    if secret:
+        (folder / SECRET).write_bytes(secret)
 
 
 def timestamp_of(folder: Path) -> str:

@@ -19,6 +19,7 @@ from autograder.exports.marks import from_gradebook, GRADED
 from autograder.gradebook import journal
 from autograder.gradebook.database import gradebook_file, load_config
 from autograder.gradebook.live_entry import begin_to_enter, enter, Guard
+from autograder.gradebook.record import SECRET
 from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
@@ -424,7 +425,19 @@ def forgets_a_folder_that_is_no_students(course: Layout) -> None:
         assert [student.id for student in gradebook.students] == ['ann']
 
 
+def keeps_the_secret_that_names_feedback_in_the_exchange(course: Layout) -> None:
+    """Nbgrader releases feedback only if the file is next to the graded notebook."""
+    hand_in(course, '1001')
+    place = Path('1001', ASSIGNMENT, SECRET)
+    (course.submitted / place).write_text('a secret', encoding='utf-8')
+
+    grade(course)
+
+    assert (course.work / 'autograded' / place).read_text(encoding='utf-8') == 'a secret'
+
+
 ALL = (
+    keeps_the_secret_that_names_feedback_in_the_exchange,
     leaves_lower_marks_as_they_are,
     forgets_a_student,
     forgets_a_folder_that_is_no_students,

@@ -17,6 +17,7 @@ import pytest
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, TAKEN
 from autograder.gradebook.database import load_config
+from autograder.gradebook.record import SECRET
 from autograder.layout import Layout
 from environment.exchange import SETTING
 
@@ -219,10 +220,14 @@ def test_formgrader_collects_the_others_if_a_delivery_is_too_large(nbgrader, exc
         file.truncate(1 << 30)
     (folder / NOTEBOOK).write_text('mine, again', encoding='utf-8')
 
+    (folder / SECRET).write_text('of the second delivery', encoding='utf-8')
+
     answer = nbgrader.collect(ASSIGNMENT)
 
     assert answer['success']
     assert collected(course) == {ME: 'mine, again'}
+    secret = course.submitted / ME / ASSIGNMENT / SECRET
+    assert secret.read_text(encoding='utf-8') == 'of the second delivery'
 
 
 def test_collect_refuses_options_that_it_does_not_have(nbgrader, exchange, course):
