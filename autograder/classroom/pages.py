@@ -99,7 +99,6 @@ def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') 
     )
     folder = layout.reports / graded.assignment
     write_atomically(folder / 'class.html', text.encode('utf-8', 'replace'))
-    (folder / 'index.html').unlink(missing_ok=True)  # Earlier versions wrote a second page.
     return folder / 'class.html'
 
 

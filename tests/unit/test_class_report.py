@@ -268,14 +268,6 @@ class TestPage:
         assert 'second' in path.read_text('utf-8')
         assert [one.name for one in path.parent.glob('.class*')] == []
 
-    def test_it_replaces_the_second_page_of_earlier_versions(self, layout):
-        """Otherwise the old page would show old points."""
-        old = layout.reports / ASSIGNMENT / 'index.html'
-        old.write_text('', encoding='utf-8')
-        path = write_class_report(layout, graded(layout, ASSIGNMENT)[0])
-
-        assert (old.exists(), path.is_file()) == (False, True)
-
 
 class TestTerminal:
     def test_it_says_the_same_in_words(self):

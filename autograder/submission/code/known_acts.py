@@ -168,17 +168,13 @@ def _conversions(code: Code) -> Iterator[ast.AST]:
                 yield node
 
 
-def _timers(name: str) -> Act:
-    """Return an act that finds the calls that create a timer whose callback calls a function."""
-
-    def found(code: Code) -> Iterator[ast.AST]:
-        wanted = set(code.calls_to(name))
-        for call in code.calls_to('create_timer'):
-            bodies = code.reached(code.bodies(*all_arguments(call)))
-            if any(not wanted.isdisjoint(ast.walk(one)) for one in bodies):
-                yield call
-
-    return found
+def _publishing_timers(code: Code) -> Iterator[ast.AST]:
+    """Yield the calls that create a timer whose callback publishes."""
+    publishing = set(code.calls_to('publish'))
+    for call in code.calls_to('create_timer'):
+        bodies = code.reached(code.bodies(*all_arguments(call)))
+        if any(not publishing.isdisjoint(ast.walk(one)) for one in bodies):
+            yield call
 
 
 def _own_arguments(code: Code) -> Iterator[ast.AST]:
@@ -364,7 +360,7 @@ ACTS: Mapping[str, Act] = {
     'own_arguments': _own_arguments,
     'period': _periods,
     'profile': _profiles,
-    'publishing_timer': _timers('publish'),
+    'publishing_timer': _publishing_timers,
     'raised_again': _nodes(ast.Raise, lambda node: node.exc is None),
     'raised_exit': _nodes(ast.Raise, lambda node: not names_in(node).isdisjoint(_EXITS)),
     'recount': _recounts,
@@ -390,7 +386,6 @@ ACTS: Mapping[str, Act] = {
         and not is_stored(node)
     ),
     'wall_clock': _wall_clocks,
-    'warning_timer': _timers('warning'),
     # the callbacks of transitions that return nothing
     'without_result': _nodes(
         FUNCTIONS,
