@@ -104,13 +104,8 @@ def collected_work(layout: Layout, assignment: str) -> dict[str, Work]:
     }
 
 
-def collected_names(layout: Layout) -> dict[str, str]:
-    """
-    Return the latest name of each student whose work was collected, by student id.
-
-    :raises GraderError: if the file is damaged
-    """
-    found = read_collected(layout)
+def collected_names(found: Iterable[Work]) -> dict[str, str]:
+    """Return the latest name of each student whose work was collected, by student id."""
     return {one.student: one.person for one in found if one.person and not one.why}
 
 
@@ -131,8 +126,8 @@ def save_collected(
     :raises GraderError: if the file is damaged
     :raises OSError: if the file cannot be written
     """
-    known = {_key(one): one for one in read_collected(layout)}
-    names = collected_names(layout)
+    before = read_collected(layout)
+    known, names = {_key(one): one for one in before}, collected_names(before)
     for one in sorted(found, key=lambda one: one.handed_in):
         old = known.pop(_key(one), one)
         person = printable_name(one.person) or names.get(one.student, '')

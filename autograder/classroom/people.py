@@ -19,6 +19,7 @@ from autograder.classroom.collected import (
     collected_names,
     NOTHING,
     printable_name,
+    read_collected,
     read_not_collected,
     Work,
 )
@@ -127,7 +128,8 @@ def read_people(layout: Layout) -> dict[str, str]:
     :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged
     """
     listed = {student: printable_name(name) for student, name in class_list(layout).items()}
-    return {**collected_names(layout), **{one: name for one, name in listed.items() if name}}
+    saved = collected_names(read_collected(layout))
+    return {**saved, **{one: name for one, name in listed.items() if name}}
 
 
 def student_named(layout: Layout, name: str, students: Collection[str]) -> str:

@@ -21,11 +21,11 @@ from autograder.collect.recognise import find_deliveries, FOLDER
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
 from autograder.collect.source import deliveries
 from autograder.collect.source.course import Course
-from autograder.collect.source.times import read_time, STAMP
+from autograder.collect.source.times import read_time
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
 from autograder.files import write_atomically
-from autograder.gradebook.record import SECRET
 from autograder.layout import Layout
+from autograder.submission.inbox import SECRET, STAMP
 from autograder.submission.reading import read_file
 from autograder.submission.tree import opened, Tree, UnreadableError
 

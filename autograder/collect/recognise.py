@@ -19,10 +19,10 @@ from contextlib import suppress
 from autograder.collect.platforms import EXCHANGE, FOLDERS, INBOUND, SYSTEMS
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Delivery, Entry, Level, level, only_folder
-from autograder.collect.source.times import STAMP
 from autograder.collect.table import Row, unclaimed
 from autograder.explaining.feedback import printable
 from autograder.results import first_of
+from autograder.submission.inbox import STAMP
 from autograder.submission.tree import Tree, UnreadableError, UnusableUploadError
 
 FOLDER, EXPECTED = 'folder', 'one folder or one notebook per student'

@@ -23,9 +23,10 @@ from typing import NamedTuple
 
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Delivery
-from autograder.collect.source.times import late_notes, read_time, STAMP
+from autograder.collect.source.times import late_notes, read_time
 from autograder.collect.table import LEFT, Row, TAKEN
 from autograder.results import first_of
+from autograder.submission.inbox import STAMP
 from autograder.submission.tree import File, UnreadableError, UnusableUploadError
 
 MOST_NOTEBOOKS = 50

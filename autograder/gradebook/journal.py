@@ -24,6 +24,7 @@ from autograder.files import json_bytes, write_atomically
 from autograder.gradebook.database import connected, gradebook_file, load_config, query, refusal
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
+from autograder.submission.inbox import STAMP
 from autograder.submission.reading import read_file
 
 Rows = dict[str, dict[str, Any]]
@@ -149,7 +150,7 @@ class Journal:
         for exam in result['exams']:
             exam.pop('timing', None)
             exam.pop('pictures', None)
-        stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
+        stamp, _ = read_file(graded.submission.folder / STAMP, STAMP)
         parts = (
             self._common_digest,
             result,

@@ -24,11 +24,9 @@ from autograder.gradebook.journal import autograded, drop
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.extract import CHECK_PREFIX
+from autograder.submission.inbox import SECRET, STAMP
 from autograder.submission.notebook import is_check, marks_of, Notebook, read_release
 from autograder.submission.reading import read_file
-
-SECRET = 'submission_secret.txt'
-"""nbgrader's file from which the exchange derives the name of the student's feedback."""
 
 
 def enter_assignment(layout: Layout, assignment: str) -> None:
@@ -125,7 +123,7 @@ def _stage(folder: Path, notebook: str, graded: Graded) -> None:
     (folder / notebook).write_text(text, encoding='utf-8')
     stamp = timestamp_of(graded.submission.folder)
     if stamp:
-        (folder / 'timestamp.txt').write_text(stamp, encoding='utf-8')
+        (folder / STAMP).write_text(stamp, encoding='utf-8')
     secret, _ = read_file(graded.submission.folder / SECRET, SECRET)
     if secret:
         (folder / SECRET).write_bytes(secret)
@@ -135,7 +133,7 @@ def timestamp_of(folder: Path) -> str:
     """Return the time of delivery; empty if it is invalid, because nbgrader would fail."""
     from nbgrader.utils import parse_utc
 
-    data, _ = read_file(folder / 'timestamp.txt', 'timestamp.txt')
+    data, _ = read_file(folder / STAMP, STAMP)
     text = (data or b'')[:100].decode('ascii', 'replace').strip()
     try:
         parse_utc(text)

@@ -16,6 +16,10 @@ import unicodedata
 from autograder.results import Problem
 from autograder.submission.reading import read_file, SUBMIT_AGAIN, unreadable
 
+STAMP = 'timestamp.txt'
+"""nbgrader's file with the time of delivery, next to the notebook."""
+SECRET = 'submission_secret.txt'
+"""nbgrader's file from which the exchange derives the name of the student's feedback."""
 MAX_NAME_CHARS = 100
 # nbgrader uses an id as a glob pattern, splits lists of ids at commas, and writes ids to CSV files
 # without quotes. So an id may contain only letters, digits and these characters.

@@ -19,11 +19,10 @@ from autograder.exports.marks import from_gradebook, GRADED
 from autograder.gradebook import journal
 from autograder.gradebook.database import gradebook_file, load_config
 from autograder.gradebook.live_entry import begin_to_enter, enter, Guard
-from autograder.gradebook.record import SECRET
 from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
-from autograder.submission.inbox import discover
+from autograder.submission.inbox import discover, SECRET
 
 NOTEBOOK = 'temperature_monitor.ipynb'
 WRITTEN = 'explain_threshold'

@@ -17,8 +17,8 @@ import pytest
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, TAKEN
 from autograder.gradebook.database import load_config
-from autograder.gradebook.record import SECRET
 from autograder.layout import Layout
+from autograder.submission.inbox import SECRET
 from environment.exchange import SETTING
 
 pytestmark = pytest.mark.nbgrader

@@ -14,7 +14,7 @@ from export_world import submission
 import pytest
 from rich.console import Console
 
-from autograder.classroom.collected import collected_names, save_collected, Work
+from autograder.classroom.collected import collected_names, read_collected, save_collected, Work
 from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import (
     class_list,
@@ -50,7 +50,7 @@ def test_names_of_the_list_are_shown_but_not_saved(listed):
     save_collected(listed, [Work(one, TALK, name) for one, name in names.items()])
 
     assert read_people(listed) == {'ann': 'Ann Example', 'zoe': 'Zoe Z', 'eve': 'adamseve'}
-    assert collected_names(listed) == names
+    assert collected_names(read_collected(listed)) == names
 
 
 def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):

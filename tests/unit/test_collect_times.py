@@ -20,11 +20,11 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
-from autograder.collect.source import times
 from autograder.collect.source.times import due_dates, late_notes, read_time
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import OK
 from autograder.layout import Layout
+from autograder.submission import inbox
 
 NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
 
@@ -360,4 +360,4 @@ def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys
     assert 'Handed in' in said
     assert '2026-03-01 14:05' in said
     assert 'late by 2 h 5 min' in said
-    assert times.STAMP == 'timestamp.txt'
+    assert inbox.STAMP == 'timestamp.txt'

@@ -64,7 +64,7 @@ def engine(runs, tmp_path):
 
 @pytest.fixture
 def path(engine, exam, runs, tmp_path):
-    """Return the file of a stored recording; its run is no longer in the list."""
+    """Return the file of a stored recording, and empty the list of runs."""
     name = engine.run(exam, FILES).recording
     runs.clear()
     return tmp_path / 'talker' / name

@@ -12,8 +12,6 @@ from autograder.errors import GraderError
 from autograder.gradebook.database import query
 from autograder.layout import Layout
 
-STAMP = 'timestamp.txt'
-"""nbgrader's file with the time of delivery, next to the notebook."""
 _TIME = re.compile(r'(\d{4}-\d\d-\d\d)[ T](\d\d:\d\d)(:\d\d)?(?:\.\d+)? ?(\S.*)?')
 _ZONE = re.compile(r'UTC|GMT|Z|([+-]\d\d):?(\d\d)?', re.IGNORECASE)
 
