@@ -24,8 +24,7 @@ WATCH_S = 131
 """
 Time for which hidden exams watch a node that acts by itself [s].
 
-By then, a temperature that grows by one degree per second has left the range of common sensors,
-and a counter of one byte that grows twice a second has overflowed.
+By then, a counter of one byte that grows twice a second has overflowed.
 """
 _other_secret: ContextVar[bytes | None] = ContextVar('_other_secret', default=None)
 

@@ -69,10 +69,11 @@ def why_burst_cut(asked: Specification, came: tuple[object, ...]) -> Cause | Non
     :param came: the answers to the burst, sorted
     """
     due = list(asked.due(asked.inputs))[-asked.burst :]
+    later = due[-1][1:]  # what the node publishes without a further message, such as a stop
     for count in range(1, asked.burst):
         first, last = (
             asked.like(sorted_answers(part for one in some for part in one), came)
-            for some in (due[:count], due[-count:])
+            for some in ((*due[:count], later), due[-count:])
         )
         few = 'message' if count == 1 else f'{count} messages'
         if last:

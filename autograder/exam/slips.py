@@ -107,10 +107,14 @@ def _memories(rule: Rule) -> tuple[Slip, ...]:
 def _in_a_burst(rule: Rule, burst: int) -> tuple[Slip, ...]:
     """Return the slip of a program that does not log each of several warnings at once."""
 
-    def one_of_them(inputs: Sequence[Any]) -> list[int]:
-        return [*rule(inputs)[:-burst], 1, *[0] * (burst - 1)]
+    def without(count: int) -> Rule:
+        def part(inputs: Sequence[Any]) -> list[int]:
+            *single, last = [*rule(inputs)[:-burst], sum(rule(inputs)[-burst:])]
+            return [*single, max(1, last - count), *[0] * (burst - 1)]
 
-    return (WHY.slip('one_of_a_burst', one_of_them),) if burst else ()
+        return part
+
+    return (WHY.slip('part_of_a_burst', *map(without, range(1, burst))),) if burst else ()
 
 
 Change = Callable[[float], float]

@@ -15,7 +15,8 @@ from difflib import get_close_matches
 import math
 from typing import Any, ClassVar
 
-MAX_BURST = 10
+BURST = 10
+"""Maximum number of messages at once: a subscription of depth 10 keeps them all."""
 SETTLE_S = 0.2  # duration of a step that adds or removes an endpoint, see probe_run.py [s]
 TRANSITIONS = {'configure': 1, 'cleanup': 2, 'activate': 3, 'deactivate': 4}
 PARAMETER_TYPES = {
@@ -131,8 +132,8 @@ class Feed(Step):
         """Yield a message for a topic that was not announced, and for a burst that is too long."""
         if self.topic not in there['subscription']:
             yield _not_announced(self.topic, there['subscription'])
-        if self.burst and len(self.messages) > MAX_BURST:
-            yield f'expected at most {MAX_BURST} messages per burst, got {len(self.messages)}'
+        if self.burst and len(self.messages) > BURST:
+            yield f'expected at most {BURST} messages per burst, got {len(self.messages)}'
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
         """Yield the messages."""

@@ -36,6 +36,8 @@ def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
     """
     Return the events after each input of a specification; a burst has one row.
 
+    Events after later inputs of the run are left out.
+
     :param ask: name of the specification
     :param events: events of the run, each with the index of the last input before it
     :returns: None for a row whose input, or burst, was not completely sent
@@ -43,10 +45,10 @@ def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
     count, burst = len(run.asked(ask).inputs), run.asked(ask).burst
     sent, last = len(run.recording.of('input')), count - burst
     found: list[Row | None] = [[] if place < sent else None for place in range(last)]
-    found += [[] if sent == count else None] * bool(burst)
+    found += [[] if sent >= count else None] * bool(burst)
     for event in events:
         after = event['after_input']
-        row = None if after is None else found[min(after, last)]
+        row = found[min(after, last)] if after is not None and after < count else None
         if row is not None:
             row.append(event)
     return found
@@ -112,7 +114,7 @@ def delays(run: Run, ask: str, topic: str) -> list[list[float]]:
     if run.facts.get('slow_callback') or len(sent) < count:
         return []
     last = count - run.asked(ask).burst
-    begun = [one['clock_ns'] for one in (*sent[:last], *sent[-1:] * (last < count))]
+    begun = [one['clock_ns'] for one in (*sent[:last], *sent[count - 1 : count] * (last < count))]
     found = rows(run, ask, run.recording.messages(topic))
     return [
         [(one['clock_ns'] - start) / SECOND for one in row or ()]
@@ -229,7 +231,8 @@ def require_values(
             expected=f'{shown_values(run, asked.answers[place], what)} {after}',
             observed=f'{shown_values(run, came[place])} {after}',
             why=why_silent(while_running(run, asked, place, short))
-            or asked.cause(without_last(run, came, place), place, places or ()),
+            or asked.cause(without_last(run, came, place), place, places or ())
+            or (why_burst_cut(asked, came[place] or ()) if short else None),
             place=place,
         )
 

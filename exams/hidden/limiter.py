@@ -1,6 +1,7 @@
 """Hidden exam of lesson 10: secret speeds and a secret limit, in a secret namespace."""
 
 from autograder.exam.inputs import generator
+from autograder.exam.steps import BURST
 from exams.visible.limiter import build
 
 _draw = generator('limiter', 'speeds')
@@ -27,6 +28,7 @@ exam = build(
     [
         *_mixed(_between(0.32, 0.48), _between(-0.48, -0.32), _between(0.01, 0.09), -_most),
         *_mixed(_between(0.6, 2.0), _between(-2.0, -0.6), _between(-0.09, -0.01)),
+        *(_between(-2.0, 2.0) for _ in range(BURST - 3)),
     ],
-    burst=3,
+    burst=BURST,
 )

@@ -3,7 +3,8 @@
 import math
 
 from autograder.exam.inputs import generator
-from exams.visible.managed_pressure import build, BURST
+from autograder.exam.steps import BURST
+from exams.visible.managed_pressure import build
 
 _draw = generator('managed_pressure', 'limits and pressures')
 # Rounding or truncating a pressure just above one of these limits gives at most the limit; a

@@ -1,6 +1,7 @@
 """Hidden exam of lesson 04, part 2: secret numbers and names, and a burst."""
 
 from autograder.exam.inputs import generator
+from autograder.exam.steps import BURST
 from exams.visible.milli_reader import build
 
 _draw = generator('milli_reader', 'numbers')
@@ -32,12 +33,13 @@ exam = build(
         *map(_number, (7, 138)),
         _same[0],
         *map(_number, (457, 138, 7)),
+        *(_number(_draw.randrange(1, 1000)) for _ in range(BURST - 3)),
     ],
     [
         *(_name(), _same[1], _same[1]),
         *(f' Fahrenheit {_name()} ', _name(), _name(), _name()),
         *('', _same[1]),
-        *(_name() for _ in range(3)),
+        *(_name() for _ in range(BURST)),
     ],
-    burst=3,
+    burst=BURST,
 )

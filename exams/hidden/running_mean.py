@@ -3,6 +3,7 @@
 import math
 
 from autograder.exam.inputs import generator
+from autograder.exam.steps import BURST
 from exams.visible.running_mean import build
 
 _draw = generator('running_mean', 'numbers')
@@ -21,8 +22,8 @@ exam = build(
     [
         *(*_first, *_numbers(MANY), math.nan, *_numbers(2), 0.0),
         # The huge one is late, because the means after it show small mistakes less precisely.
-        *(_low, math.nan, *_numbers(3), round(_draw.uniform(3e9, 9e9), 3), *_numbers(8)),
+        *(_low, math.nan, *_numbers(3), round(_draw.uniform(3e9, 9e9), 3), *_numbers(BURST)),
     ],
-    burst=8,
+    burst=BURST,
     pause=len(_first),
 )

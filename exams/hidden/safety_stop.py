@@ -1,11 +1,12 @@
 """Hidden exam of lesson 05, part 6: secret speeds and turns."""
 
 from autograder.exam.inputs import generator
+from autograder.exam.steps import BURST
 from exams.visible.safety_stop import build, drive
 
 _draw = generator('safety_stop', 'commands')
-_slow = [size / 1000 for size in _draw.sample(range(50, 500), 9)]
-_small = [size / 1000 for size in _draw.sample(range(50, 500), 13)]
+_slow = [size / 1000 for size in _draw.sample(range(50, 500), 6 + BURST)]
+_small = [size / 1000 for size in _draw.sample(range(50, 500), 10 + BURST)]
 # Far too fast for a robot; but no command may be dropped, and no turn limited.
 _most = *_draw.sample(range(20_000, 50_000), 2), *_draw.sample(range(550, 1000), 2)
 _large = [size / 1000 for size in _most]

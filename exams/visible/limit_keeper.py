@@ -2,7 +2,7 @@
 Lesson 07, part 5: a node that accepts only sensible limits.
 
 Specification from the lesson: node ``limit_keeper`` with the parameters ``limit_c``, a float with
-the default 30.0, and ``place``, any string; the node refuses a new ``limit_c``, with a reason,
+the default 30.0, and ``place``, any string, at first ``motor``; the node refuses a new ``limit_c``, with a reason,
 unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/Float64`` on
 ``motor_temperature`` above the limit in force causes one WARN line.
 """
@@ -17,17 +17,16 @@ from autograder.exam.exam import Exam, Run, Scenario
 from autograder.exam.ranges import Accepts, in_force_slips, range_slips
 from autograder.exam.slips import Compare, warning_slips
 from autograder.exam.specification import each, Rule, Specification
-from autograder.exam.steps import feeds, set_parameters, Step
+from autograder.exam.steps import BURST, feeds, get_parameters, set_parameters, Step
 from autograder.exam.words import Causes
-from autograder.judging.checks import field_of, own_logs, require_answers
-from autograder.judging.claims import answers, hears, node
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.checks import field_of, own_logs, require_answers, require_node
+from autograder.judging.claims import answers, hears
 from autograder.judging.log_rows import require_warnings
 from autograder.judging.rows import require_all_sent, rows
 
-LIMIT, PLACE = 'limit_c', 'place'
+LIMIT, PLACE, ROOM = 'limit_c', 'place', 'motor'
 LOWEST_C, HIGHEST_C = -40.0, 125.0
-BURST = 3
-"""Number of temperatures above the limit that are sent at once at the end."""
 NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
 JUST_OUTSIDE = (LOWEST_C * (1 + 1e-9), HIGHEST_C * (1 + 1e-9))
 ACCEPTED = 'results.0.successful'
@@ -35,11 +34,11 @@ ACCEPTED = 'results.0.successful'
 Change = tuple[str, float | int | str]
 """The name of a parameter and its requested value."""
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
-SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
+SERVICE, READ, DEFAULT_C = f'{NODE}/set_parameters', f'{NODE}/get_parameters', 30.0
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
 
 
-WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE)
+WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, ROOM=ROOM)
 
 
 class Reading(NamedTuple):
@@ -104,7 +103,7 @@ def warns(
 
 def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
     """
-    Yield temperatures before the first change, two near the limit after each, and a burst.
+    Yield temperatures before the first change, two near the limit after each, and a hot burst.
 
     :param start: limit at the start, with one decimal; its fraction is below 0.5 [degC]
     """
@@ -156,6 +155,14 @@ WARNINGS = (
 )
 
 
+def starts_its_node(run: Run) -> None:
+    """Your program starts a node called limit_keeper, with the place motor."""
+    require_node(run, NODE)
+    found = [field_of(one, 'values.0.string_value') for one in run.recording.answers(READ)]
+    if found != [ROOM]:
+        raise replace(WHY.failed('other_place', why_silent(run)), blocks=False)
+
+
 def _require_warnings(run: Run, before: bool) -> None:
     accepted = [field_of(one, ACCEPTED) for one in run.recording.answers(SERVICE)]
     asked = in_force(run.asked('warnings'), run.asked('changes').inputs, accepted)
@@ -199,7 +206,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     :param changes: the first one sets a valid float
     """
     sent = list(readings(start, changes))
-    steps: list[Step] = []
+    steps: list[Step] = [get_parameters(NODE, [PLACE])]
     for number in range(len(changes) + 1):
         steps += [set_parameters(NODE, dict([changes[number - 1]]))] if number else []
         values = [one.value for one in sent if one.changes == number]
@@ -224,7 +231,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
             'warnings': Specification(sent, warns(), WARNINGS, BURST),
         },
     )
-    exam.check(points=1)(node(NODE))
+    exam.check(points=1)(starts_its_node)
     exam.check(points=1)(hears(SOURCE, TYPE))
     exam.check(points=2, needs=['hears_motor_temperature'])(warns_above_the_limit)
     exam.check(points=3, needs=['starts_its_node'])(

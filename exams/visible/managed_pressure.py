@@ -19,7 +19,16 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import FeedTopic, Scenario
 from autograder.exam.slips import Compare, CUTS, warning_slips
 from autograder.exam.specification import each, Rule, Specification
-from autograder.exam.steps import Advance, feeds, Mark, Qos, set_parameters, state, transition
+from autograder.exam.steps import (
+    Advance,
+    BURST,
+    feeds,
+    Mark,
+    Qos,
+    set_parameters,
+    state,
+    transition,
+)
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import (
     why_no_endpoint,
@@ -42,7 +51,6 @@ EXERCISE = 'Exercise 2: a monitor that refuses nonsense'
 EVENTS = f'{NODE}/transition_event'
 EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
 CHANGE, SETTING = f'{NODE}/change_state', f'{NODE}/set_parameters'
-BURST = 3  # pressures at the end, all above the limit, that are sent at once
 ANSWER_S = 3.0  # after each input: enough for a thread that polls every two seconds [s]
 
 
@@ -281,7 +289,7 @@ def build(
     :param highest: another valid limit, for the end [bar]
     :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active;
         ``active`` under the first limit; ``still`` after the parameter was set; ``again`` under
-        the second limit, the last three as a burst above it [bar]
+        the second limit, the last ten as a burst above it [bar]
     """
     configure, activate = transition(NODE, 'configure'), transition(NODE, 'activate')
     deactivate, cleanup = transition(NODE, 'deactivate'), transition(NODE, 'cleanup')
@@ -355,6 +363,6 @@ exam = build(
         'active': (2.4, 2.5, 2.6, 9.0, 1.0),
         'paused': (8.0,),
         'still': (4.0, 9.0),
-        'again': (5.0, 7.0, 6.5, 8.0, 7.5),
+        'again': (5.0, 7.0, *(6.25 + part / 8 for part in range(BURST))),
     },
 )

@@ -5,8 +5,9 @@ Specification from the lesson: node ``map_server``; it publishes ``std_msgs/msg/
 ``map``: ``unknown`` once at the start, then each text that arrives on ``survey``, once and
 unchanged; late subscriptions receive the newest map and no older one.
 
-The graph does not contain the depth of a publisher.  So two subscriptions of the probe join, one
-at the start and one after the surveys, and request a history.
+The graph does not contain the depth of a publisher.  So three subscriptions of the probe join and
+request a history: at the start, after the surveys, and after one more survey, during which nothing
+subscribes to the map.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +18,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import FeedTopic, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Rule, sorted_answers, Specification
-from autograder.exam.steps import Advance, feeds, Join, Leave, Qos
+from autograder.exam.steps import Advance, Feed, feeds, Join, Leave, Offer, Qos
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import safe_quotation
@@ -229,6 +230,9 @@ def keeps_only_the_newest(run: Run) -> None:
             or (WHY['first_repeats'] if set(found) == {FIRST} and own else None)
             or _why_other_maps(run),
         )
+    # The text of the last map is not judged, only whether it is new.
+    if {FIRST, *own}.issuperset(texts_of(run.recording.messages('/map', 'last'))):
+        raise WHY.failed('only_if_heard', why_silent(run))
 
 
 def _why_many(run: Run, kept: int) -> Cause | None:
@@ -286,6 +290,10 @@ def build(surveys: Sequence[str], burst: int = 0) -> Exam:
                 Leave('/survey'),
                 Advance(ALONE_S),
                 Join('late', '/map', TYPE, HISTORY, LISTEN_S),
+                *(Leave(name) for name in ('/map', 'early', 'late')),
+                Offer('unheard', '/survey', TYPE, Qos()),
+                Feed('unheard', [{'data': f'{surveys[-1]} by night'}], optional=True),
+                Join('last', '/map', TYPE, HISTORY, LISTEN_S),
             ),
         ),
         read='Part 4: Late subscriptions',

@@ -155,7 +155,7 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
 
     :param numbers: thousandths of a degree; none except zero is a multiple of 1000
     :param names: the description of each number; those in the burst are all different
-    :param burst: number of messages at the end that are sent at once, at most five
+    :param burst: number of messages at the end that are sent at once
     """
     # Vary the field ``values``, which the exercise does not use, to detect a node that reads it.
     # It depends on the number, so that a repeated message is the same in every field.

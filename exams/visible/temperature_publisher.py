@@ -57,10 +57,10 @@ def enough_readings(run: Run) -> list[Event]:
     """
     Return the readings if there are enough to judge *every* reading.
 
-    :raises Failed: if less than a quarter of the expected readings arrived
+    :raises Failed: if less than a tenth of the expected readings arrived
     """
     found, due = readings(run), int(run.facts['seconds'])
-    if len(found) < due // 4:
+    if len(found) < due // 10:
         raise Failed(
             expected=f'{due} readings, because this check needs every reading',
             observed=f'only {counted(len(found), "reading")}',

@@ -327,7 +327,7 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
 
     :param readings: the first and the last single reading are cool and proper
     :param burst: number of readings at the end that are sent at once: in Celsius, the first one
-        hot; at most five, the depth of the sensor-data profile
+        hot
     """
     messages = [reading.message(number) for number, reading in enumerate(readings)]
     exam = Exam(

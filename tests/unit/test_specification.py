@@ -85,12 +85,12 @@ class TestCause:
         assert list(found.row(1)) == [31.0, 45.0, 30.0]
         assert found.cause([0, 3], 1).cause_id == 'warns_at_threshold'
 
-    def test_throttled_warnings_are_one_of_a_burst(self):
+    def test_throttled_warnings_are_part_of_a_burst(self):
         """Throttled warnings are correct for single inputs, but a burst gives only one warning."""
         inputs, (*_, slip) = (31.0, 20.0, 45.0, 31.0, 20.0), warning_slips(above, '30.0', 3)
         found = Specification(inputs, above(), [slip], burst=3)
 
-        assert found.cause([1, 0, 1], 2).cause_id == 'one_of_a_burst'
+        assert found.cause([1, 0, 1], 2).cause_id == 'part_of_a_burst'
         assert found.cause([1, 0, 0], 2) is None
         assert slip.cause_id not in {one.cause_id for one in SLIPS}
 
