@@ -5,7 +5,8 @@ Recordings are stored and can be judged again.  ``docs/recording.schema.json`` d
 header, the events and their fields.  The first line is the header.  The probe's events follow in
 the order of observation, without messages and log lines that arrive after the last step, and
 without events after the end of the program.  In the last event, ``process``, the grader records
-how the program ended.  Printed text can *explain* a verdict; it is never evidence.
+how the program ended.  The events of a second start follow in the same way.  Printed text can
+*explain* a verdict; it is never evidence.
 """
 
 from __future__ import annotations
@@ -41,10 +42,13 @@ class Recording:
 
     :param header: first line of the file
     :param events: the other lines, in order
+    :param again: the recording of the second start, if the scenario has one; in the file, its
+        events follow an event ``again``
     """
 
     header: Mapping[str, Any]
     events: Sequence[Event]
+    again: Recording | None = None
 
     def of(self, kind: str, **where: Any) -> list[Event]:
         """
@@ -146,9 +150,10 @@ class Recording:
 
     def to_bytes(self) -> bytes:
         """Return the content of the file; its header has the number of events and their CRC-32."""
-        events = (json.dumps(event, allow_nan=False) for event in self.events)
+        later = ({'event': 'again'}, *self.again.events) if self.again else ()
+        events = [json.dumps(event, allow_nan=False) for event in (*self.events, *later)]
         rest = ''.join(f'{line}\n' for line in events).encode()
-        first = {**self.header, 'seal': _seal(len(self.events), rest)}
+        first = {**self.header, 'seal': _seal(len(events), rest)}
         return json.dumps(first, allow_nan=False).encode() + b'\n' + rest
 
     @classmethod
@@ -179,7 +184,10 @@ class Recording:
             raise RecordingInvalid(
                 f'{where}: the checksum is wrong; the file was truncated or changed.', AGAIN
             )
-        return cls(header, events)
+        if {'event': 'again'} not in events:
+            return cls(header, events)
+        end = events.index({'event': 'again'})
+        return cls(header, events[:end], cls(header, events[end + 1 :]))
 
     def save(self, path: Path) -> None:
         """Write the recording to a file, atomically even if the process is killed."""

@@ -41,15 +41,15 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
     """
     places: list[str] = []
     pairs: list[tuple[str, Mapping[str, Any] | None]] = []
-    for exam in exams:
+    for name, start in ((exam.name, one) for exam in exams for one in exam.scenario.starts):
         types: dict[str, str] = {}
-        for place, topic, kind in exam.scenario.types():
+        for place, topic, kind in start.types():
             types[topic] = kind
-            places.append(f'exam {exam.name}, {place}')
+            places.append(f'exam {name}, {place}')
             pairs.append((kind, None))
-        for place, step in exam.scenario.placed():
+        for place, step in start.placed():
             for part, kind, values in step.sends():
-                places.append(f'exam {exam.name}, {place}{part}')
+                places.append(f'exam {name}, {place}{part}')
                 pairs.append((types.get(kind, kind), values))
     if not pairs:
         return []

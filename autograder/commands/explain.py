@@ -182,16 +182,18 @@ def _events_around(
     exam: Exam, name: str, files: Mapping[str, str], recording: Recording | None
 ) -> Iterator[str]:
     """Yield the first deviation, the events around it, and the last inputs before it."""
-    events = recording.events if recording else ()
+    check = next((one for one in exam.checks if one.name == name), None)
+    run = Run(files, recording or Recording({}, ()), exam.facts)
+    run = check.run_of(run) if check else run
+    events = run.recording.events
     seen = [number for number, event in enumerate(events) if live_line(event)]
-    if not recording or not seen:
+    if not seen:
         yield (
             'No recording: nothing was run, so the files alone gave the verdict, or the recording '
             'was deleted.'
         )
         return
-    check = next((one for one in exam.checks if one.name == name), None)
-    where = deviation(check, Run(files, recording, exam.facts)) if check else None
+    where = deviation(check, run) if check else None
     if where is None:
         yield 'No deviation; the run begins with:'
         shown = seen[: BEFORE + AFTER]

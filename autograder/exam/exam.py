@@ -105,6 +105,11 @@ class Run:
         part, graphs = self.recording.phase(phase), self.recording.of('graph')
         return replace(self, recording=Recording(part.header, (*graphs, *part.events)))
 
+    def again(self) -> Run:
+        """Return the run of the program's second start."""
+        second = self.recording.again or Recording(self.recording.header, ())
+        return replace(self, recording=second)
+
     @property
     def names(self) -> Names:
         """Return the topics, types and parameters that the exam uses."""
@@ -120,6 +125,7 @@ class Check:
     :param needs: names of checks that must have passed; otherwise this check is NOT_RUN
     :param read: section of the lesson to read, empty for the section of the exam
     :param static: whether the check looks only at the files, so that it needs no run
+    :param again: whether the check judges the second start of the program
     """
 
     name: str
@@ -129,6 +135,11 @@ class Check:
     needs: tuple[str, ...] = ()
     read: str = ''
     static: bool = False
+    again: bool = False
+
+    def run_of(self, run: Run) -> Run:
+        """Return the part of a run that the check judges: the first or the second start."""
+        return run.again() if self.again else run
 
 
 @dataclass(eq=False)
@@ -176,8 +187,18 @@ class Exam:
         given = {**self.scenario.package_facts, **self.facts, **self.asks}
         self.facts = {'exam_names': Names.of(self.scenario), **given}
 
+    def scenario_of(self, check: Check) -> Scenario:
+        """Return the scenario of the start that a check judges."""
+        return self.scenario.starts[check.again]
+
     def check(
-        self, *, points: float, needs: Sequence[str] = (), read: str = '', static: bool = False
+        self,
+        *,
+        points: float,
+        needs: Sequence[str] = (),
+        read: str = '',
+        static: bool = False,
+        again: bool = False,
     ) -> Callable[[Callable[[Run], None]], Callable[[Run], None]]:
         """
         Add the decorated function as a check.
@@ -186,12 +207,14 @@ class Exam:
         :param needs: names of earlier checks
         :param static: whether the check looks only at the files; if failed static checks block all
             other checks, the grader does not run the program
+        :param again: whether the check judges the second start, :attr:`Scenario.again`
         :raises ExamInvalid: as :meth:`add`
         """
 
         def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:
             name = judge.__name__
-            self.add(Check(name, _title(judge), points, judge, tuple(needs), read, static))
+            title = _title(judge)
+            self.add(Check(name, title, points, judge, tuple(needs), read, static, again))
             return judge
 
         return add
@@ -201,8 +224,8 @@ class Exam:
         Add a check.
 
         :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
-            above 0, a need is not an earlier check, or the check needs a program and the scenario
-            runs none
+            above 0, a need is not an earlier check, or the check needs a program, or a second
+            start, and the scenario has none
         """
         names = [other.name for other in self.checks]
         where = f'exam {self.name}, check {check.name}'
@@ -217,6 +240,8 @@ class Exam:
                 f'{where}: the scenario runs no program, so the check can use only files.',
                 'Add the check with static=True, or give the scenario a program.',
             )
+        if check.again and not self.scenario.again:
+            raise ExamInvalid(f'{where}: judges a second start, but the scenario has none.')
         for need in check.needs:
             if need not in names:
                 raise ExamInvalid(

@@ -4,6 +4,8 @@ Define scenarios: what the probe publishes and records, and its steps, as data.
 The steps are in :mod:`autograder.exam.steps`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 import re
@@ -74,6 +76,8 @@ class Scenario:
     :param feed: topics on which the probe publishes, full name to type or :class:`FeedTopic`
     :param appear_s: timeout for the first node to appear [s]
     :param ros_clock: the ``/clock`` that the program follows, None for the computer's clock
+    :param again: a second start of the program under other circumstances, which shows what one
+        start cannot, such as another namespace; checks with ``again=True`` judge it
     """
 
     program: str = 'node'
@@ -85,11 +89,18 @@ class Scenario:
     steps: Sequence[Step] = ()
     appear_s: float = 10.0
     ros_clock: RosClock | None = None
+    again: Scenario | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the scenario as the probe reads it, without the probe's node name."""
         feed = {topic: asdict(one) for topic, one in self.feeds.items()}
-        return {**asdict(self), 'feed': feed, 'steps': [step.to_json() for step in self.steps]}
+        parts = {'feed': feed, 'steps': [step.to_json() for step in self.steps]}
+        return {**asdict(self), **parts, 'again': self.again and self.again.to_json()}
+
+    @property
+    def starts(self) -> tuple[Scenario, ...]:
+        """Return the scenario of the first start, followed by that of a second one."""
+        return (self, self.again) if self.again else (self,)
 
     @property
     def package_facts(self) -> Mapping[str, str]:
@@ -141,3 +152,5 @@ class Scenario:
         }
         for place, step in self.placed():
             yield from (f'{place}: {one}' for one in step.mistakes(there))
+        if self.again:
+            yield from (f'again, {one}' for one in self.again.mistakes())

@@ -219,10 +219,12 @@ class Join(Endpoint):
     subscription matched.
 
     :param listen_s: how long to listen before the next step [s]
+    :param copies: number of subscriptions that join in the same moment, all with this name
     """
 
     qos: Qos = Qos()
     listen_s: float = 0.4
+    copies: int = 1
     asks = 'publisher'
 
 

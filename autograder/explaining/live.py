@@ -99,6 +99,7 @@ _WORDS: dict[str, Callable[[Event], str]] = {
     'left': lambda event: f'{event["name"]} left',
     'watched': lambda event: f'subscribed to {event["topic"]} again',
     'mark': lambda event: f'-- {event["name"]} --',
+    'again': lambda _: '-- the program is started a second time --',
     'imitated': lambda _: "a node with the same name as the grader's node",
     'not_connected': lambda event: f'no node is connected to {event["topic"]}',
     'end': lambda event: f'end: {event["reason"]}',

@@ -52,10 +52,12 @@ def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, 
     found: dict[str, Mapping[str, Any]] = {}
     shown: set[str] = set()
     for check, result in zip(exam.checks, results):
-        if result.verdict is not Verdict.FAILED or check.static or not run.recording.nodes:
+        seen, scenario = check.run_of(run), exam.scenario_of(check)
+        if result.verdict is not Verdict.FAILED or check.static or not seen.recording.nodes:
             continue
         try:
-            picture = _connections(exam, run, result) or _timeline(exam, check, run, result)
+            picture = _connections(scenario, seen, result)
+            picture = picture or _timeline(scenario, check, seen, result)
             if exam.hidden and picture:
                 picture = _without_secrets(exam.scenario, picture)
         except Exception:  # noqa: BLE001 - A failed picture must not prevent the verdict.
@@ -102,15 +104,15 @@ def _wanted(scenario: Scenario) -> list[tuple[str, str, str]]:
     return list(found.values())
 
 
-def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
+def _connections(scenario: Scenario, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
     """Return the graph of connections, if the check failed because a connection is missing."""
     arrows: list[dict[str, Any]] = []
-    wanted = _wanted(exam.scenario)
+    wanted = _wanted(scenario)
     about = ' '.join((result.title, result.expected, result.observed, result.cause))
     named = [end for end in wanted if _names(about, end[1])]
     for kind, topic, type_name in named or (wanted if _about_qos(result) else []):
         ends = run.recording.endpoints(kind, topic)
-        reason = _reason(exam, run, result, ends, topic, type_name)
+        reason = _reason(scenario, run, result, ends, topic, type_name)
         if not reason:
             continue
         node = ends[0]['node'] if ends else run.recording.nodes[0]
@@ -131,7 +133,12 @@ def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any]
 
 
 def _reason(
-    exam: Exam, run: Run, result: CheckResult, ends: Sequence[Event], topic: str, type_name: str
+    scenario: Scenario,
+    run: Run,
+    result: CheckResult,
+    ends: Sequence[Event],
+    topic: str,
+    type_name: str,
 ) -> str:
     """Return why an endpoint differs from the required one; empty if it does not."""
     if not ends:
@@ -143,7 +150,7 @@ def _reason(
         event for event in about if event['event'] == 'not_connected' or event.get('refused')
     ]
     said = f'{result.expected} {result.cause} {result.try_this}'.upper()
-    if topic in exam.scenario.watch:
+    if topic in scenario.watch:
         # The plain subscription is connected; the node may have to refuse other subscriptions.
         refused = [event for event in refused if any(one in said for one in event['refused'])]
     if any(event['event'] == 'offered' and event['matched'] for event in about):
@@ -178,18 +185,20 @@ def _arrow(
 # -- timeline --------------------------------------------------------------------------------
 
 
-def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
+def _timeline(
+    scenario: Scenario, check: Check, run: Run, result: CheckResult
+) -> Mapping[str, Any] | None:
     """Return a timeline of events, if the check failed because of a count or a time."""
     failure = failure_of(check, run)
     if failure is None or (failure.at is None and not _AMOUNT.match(failure.expected)):
         return None
-    inputs, clock = run.recording.of('input'), exam.scenario.ros_clock
+    inputs, clock = run.recording.of('input'), scenario.ros_clock
     unit, rate = ('ros_seconds', clock.rate) if clock else ('seconds', 1.0)
     if inputs and failure.every_s is None:
         if len(inputs) == 1:
             return None  # a picture of one input adds nothing to the check's sentence
         unit, rate = 'input', 0.0
-    rows = _rows(exam, run, result, rate)
+    rows = _rows(scenario, run, result, rate)
     shown = [time for row in rows for time in row['times']]
     at = _first_difference(check, run, failure, rate)
     if rate:
@@ -226,7 +235,7 @@ def _window(begin: float, end: float, every_s: float, at: float | None) -> tuple
     return first, first + MOST_PERIODS * every_s
 
 
-def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[str, Any]]:
+def _rows(scenario: Scenario, run: Run, result: CheckResult, rate: float) -> list[dict[str, Any]]:
     """Return the rows for inputs, and for the log lines or the messages that a check is about."""
     recording, about = run.recording, f'{result.title} {result.expected}'
     offered = {one['publisher']: one['topic'] for one in recording.of('offered')}
@@ -245,8 +254,8 @@ def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[s
         else:
             shown[row] = recording.logs(level=value)
     if not shown:
-        topics = [topic for topic in exam.scenario.watch if recording.messages(topic)]
-        topics = topics or [topic for topic in exam.scenario.watch if _names(about, topic)][:1]
+        topics = [topic for topic in scenario.watch if recording.messages(topic)]
+        topics = topics or [topic for topic in scenario.watch if _names(about, topic)][:1]
         shown = {topic: recording.messages(topic) for topic in topics[:3]}
     rows = [(f'sent on {topic}', 'sent', events) for topic, events in sent.items()]
     rows += [(label, 'observed', events) for label, events in shown.items()]

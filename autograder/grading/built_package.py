@@ -34,7 +34,10 @@ def as_package(exam: Exam, package: str) -> Exam:
     if exam.scenario.program != 'node':
         return exam
     changed = copy.copy(exam)
-    changed.scenario = replace(exam.scenario, program='package', build_type=package)
+    first, *later = (
+        replace(one, program='package', build_type=package) for one in exam.scenario.starts
+    )
+    changed.scenario = replace(first, again=next(iter(later), None))
     changed.facts = {**exam.facts, **changed.scenario.package_facts}
     changed.requires = tuple(name for name in exam.requires if not name.endswith('.py'))
     return changed

@@ -98,7 +98,7 @@ class Engine:
             task = task_of(exam.name, scenario, files, self.sandbox.mode)
             made, timing = parse_outcome(self.remote(task))
         notes = {'made_with': dict(made_with()), 'run_s': timing['run_s']}
-        recording = Recording({**made.header, **about, **notes}, made.events)
+        recording = replace(made, header={**made.header, **about, **notes})
         if path:
             recording.save(path)
         return recording, timing
@@ -157,11 +157,17 @@ def judge_recording(
         checks,
         '',
         mode,
-        flags_of(recording, exam.scenario),
+        _flags(exam, recording),
         {**timing, 'judge_s': time.perf_counter() - began},
         not_protected=not_protected(mode),
         pictures=pictures(exam, run, checks),
     )
+
+
+def _flags(exam: Exam, recording: Recording) -> tuple[str, ...]:
+    """Return the flags of a run and of its second start, each only once."""
+    starts = zip((recording, recording.again), exam.scenario.starts)
+    return tuple(dict.fromkeys(flag for one, how in starts if one for flag in flags_of(one, how)))
 
 
 def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:

@@ -57,7 +57,7 @@ def _judge_one(
     :param blocked: names of checks that block the checks that need them; this check is added if it
         fails or is blocked
     """
-    points = check.points
+    points, run = check.points, check.run_of(run)
     waits = [name for name in check.needs if name in blocked]
     if waits:
         blocked.add(check.name)

@@ -90,7 +90,7 @@ def _client_of_only_node(probe: Any, step: dict[str, Any]) -> Any:
 
 
 def join(probe: Any, step: dict[str, Any]) -> None:
-    """Add a subscription of the probe, and listen."""
+    """Add one or more subscriptions of the probe, and listen."""
     name, topic = step['name'], step['topic']
     refused: list[str] = []
 
@@ -98,10 +98,12 @@ def join(probe: Any, step: dict[str, Any]) -> None:
         probe.message(topic, message, info, listener=name)
 
     callbacks = SubscriptionEventCallbacks(**_noting(refused))
-    probe.listeners[name] = subscription = probe.node.create_subscription(
-        load_type(step['type']), topic, heard, qos_profile(step['qos']), event_callbacks=callbacks
-    )
-    matched = _is_matched(probe, subscription.get_publisher_count, refused)
+    cls, qos = load_type(step['type']), qos_profile(step['qos'])
+    probe.listeners[name] = [
+        probe.node.create_subscription(cls, topic, heard, qos, event_callbacks=callbacks)
+        for _ in range(step['copies'])
+    ]
+    matched = _is_matched(probe, probe.listeners[name][-1].get_publisher_count, refused)
     probe.emit('joined', listener=name, topic=topic, matched=matched, refused=refused[:1])
     probe.listen(step['listen_s'])
     probe.settle()
@@ -142,9 +144,9 @@ def leave(probe: Any, step: dict[str, Any]) -> None:
         _, publisher = probe.feeds.pop(name)
         probe.node.destroy_publisher(publisher)
     # A recorded topic that is left at the start has no subscription yet.
-    for subscriptions in (probe.listeners, probe.watched):
-        if name in subscriptions:
-            probe.node.destroy_subscription(subscriptions.pop(name))
+    for subscription in (*probe.listeners.pop(name, ()), probe.watched.pop(name, None)):
+        if subscription:
+            probe.node.destroy_subscription(subscription)
     probe.emit('left', name=name)
     probe.settle()
 

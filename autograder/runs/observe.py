@@ -8,7 +8,7 @@ run when the probe or the program has ended, or when the watchdog reports an exc
 
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import json
 import os
 import secrets
@@ -57,6 +57,23 @@ def observe(
     :raises ProbeFailed: if the probe failed, so there is no evidence
     :raises SandboxUnavailable: if the sandbox cannot be started
     """
+    found, timing = _observe_start(exam_name, scenario, files, sandbox, on_event)
+    if not scenario.get('again'):
+        return found, timing
+    if on_event is not None:
+        on_event({'event': 'again'})
+    second, more = _observe_start(exam_name, scenario['again'], files, sandbox, on_event)
+    return replace(found, again=second), {**timing, 'run_s': timing['run_s'] + more['run_s']}
+
+
+def _observe_start(
+    exam_name: str,
+    scenario: Mapping[str, Any],
+    files: Mapping[str, str],
+    sandbox: Sandbox,
+    on_event: Callable[[Mapping[str, Any]], None] | None,
+) -> tuple[Recording, dict[str, float]]:
+    """Start the program once, as in :func:`observe`."""
     builds = scenario['program'] in BUILDS  # compilers run in parallel
     began = time.monotonic()
     with (

@@ -8,6 +8,7 @@ connected.
 The subscriptions of the probe join late and are volatile and reliable, so they receive only
 messages published after they joined.  The second joins while the first is connected, the third
 after both have left: a node that only checks whether any subscription exists delivers again.
+After a second start, two subscriptions join in the same moment.
 """
 
 from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
@@ -120,6 +121,15 @@ def delivers_once(run: Run) -> None:
     raise Failed(expected=expected, observed=observed, why=why)
 
 
+def delivers_to_two_at_once(run: Run) -> None:
+    """If two subscriptions connect in the same moment, it delivers exactly once, too."""
+    found = parcels(run, 'crowd')
+    if not found:
+        raise WHY.failed('only_for_one', why_silent(run))
+    if any(one['number'] > 1 for one in found):
+        raise WHY.failed('one_for_each')
+
+
 def _why_again(first: int, second: int) -> Cause:
     """Explain further parcels, given how many the first two subscriptions received."""
     # The matched callback does not run again while only the first subscription is connected.
@@ -146,12 +156,14 @@ def build(alone_s: float, between_s: float = 1.0, others: int = 0) -> Exam:
         *(Join(f'other_{number}', TOPIC, TYPE) for number in range(others)),
         Advance(AFTER_S),
     )
+    crowd = (Advance(ALONE_S), Join('crowd', TOPIC, TYPE, copies=2), Advance(AFTER_S))
+    again = Scenario(file='courier.py', steps=crowd)
     exam = Exam(
         'courier',
         title='The courier',
         assignment='03_topics',
         part=2,
-        scenario=Scenario(file='courier.py', steps=steps),
+        scenario=Scenario(file='courier.py', steps=steps, again=again),
         read='Part 3: Discovery takes time',
     )
     exam.check(points=1, read=EXERCISE)(node(NODE))
@@ -161,7 +173,8 @@ def build(alone_s: float, between_s: float = 1.0, others: int = 0) -> Exam:
     exam.check(points=4, needs=['offers_parcels'])(delivers_to_who_comes_late)
     needs = ['delivers_to_who_comes_late']
     exam.check(points=1, needs=needs, read=EXERCISE)(addresses_the_parcel)
-    exam.check(points=3, needs=needs)(delivers_once)
+    exam.check(points=2, needs=needs)(delivers_once)
+    exam.check(points=1, needs=['delivers_once'], again=True)(delivers_to_two_at_once)
     return exam
 
 

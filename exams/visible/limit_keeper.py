@@ -2,9 +2,9 @@
 Lesson 07, part 5: a node that accepts only sensible limits.
 
 Specification from the lesson: node ``limit_keeper`` with the parameters ``limit_c``, a float with
-the default 30.0, and ``place``, any string, at first ``motor``; the node refuses a new ``limit_c``, with a reason,
-unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/Float64`` on
-``motor_temperature`` above the limit in force causes one WARN line.
+the default 30.0, and ``place``, any string, at first ``motor``; the node refuses a new
+``limit_c``, with a reason, unless it is from -40.0 to 125.0, and keeps the old limit; each
+``std_msgs/msg/Float64`` on ``motor_temperature`` above the limit in force causes one WARN line.
 """
 
 from collections.abc import Callable, Iterator, Sequence

@@ -4,7 +4,8 @@ Lesson 06, part 2: a beacon as a lifecycle node.
 Specification from the lesson: lifecycle node ``beacon``; ``on_configure`` creates a publisher of
 ``std_msgs/msg/String`` on ``beacon_signal``; while active, the node publishes once per second,
 otherwise nothing; ``on_cleanup`` destroys the publisher, so that the node can be configured again.
-The command line sets the namespace.
+The command line sets the namespace; the second start is in the root namespace, and there the
+beacon is cleaned up before it was ever active.
 """
 
 from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
@@ -167,6 +168,19 @@ def cleans_up(run: Run) -> None:
     _require_transitions(run, len(ASKED) + len(UNUSED))
 
 
+def cleans_up_unused(run: Run) -> None:
+    """In the root namespace, too, it is configured, and cleaned up before it is ever active."""
+    ways = ('configure', 'cleanup')
+    require_answers(
+        run,
+        '/beacon/change_state',
+        [{'success': True}] * len(ways),
+        'the transitions configure and cleanup',
+        explain=lambda place: why_refused(run, ways[place]),
+    )
+    require_endpoint(run, 'publisher', '/beacon_signal', TYPE)
+
+
 def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     """
     Return the exam.
@@ -194,6 +208,8 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
         *(Mark('active after cleanup'), activate, work),
         *(Mark('cleaned again'), *(changes[way] for way in UNUSED)),
     ]
+    born, gone = (transition('/beacon', way) for way in ('configure', 'cleanup'))
+    unused = (pause, born, pause, Look('configured'), gone)
     exam = Exam(
         'managed_beacon',
         title='The managed beacon',
@@ -204,6 +220,7 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
             arguments=('-r', f'__ns:={namespace}') if namespace else (),
             watch={topic: TYPE},
             steps=steps,
+            again=Scenario(file='managed_beacon.py', steps=unused),
         ),
         read='Part 2: A publisher with a switch',
         facts={'node': name, 'topic': topic, 'active_s': seconds},
@@ -212,7 +229,8 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     exam.check(points=1, read=EXERCISE)(node(name, sentence=named, only_named=True))
     exam.check(points=1, needs=['starts_its_node'], read='Part 1: Two kinds of life')(is_managed)
     exam.check(points=2, needs=['is_managed'])(takes_every_transition)
-    exam.check(points=2, needs=['is_managed'])(creates_its_publisher)
+    exam.check(points=1, needs=['is_managed'])(creates_its_publisher)
+    exam.check(points=1, needs=['creates_its_publisher'], again=True)(cleans_up_unused)
     exam.check(points=2, needs=['takes_every_transition'])(publishes_while_active)
     exam.check(points=1, needs=['publishes_while_active'])(is_silent_otherwise)
     exam.check(points=1, needs=['publishes_while_active'], read=EXERCISE)(cleans_up)

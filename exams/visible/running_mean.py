@@ -7,6 +7,7 @@ numbers so far.  It ignores NaN: no answer, no effect on later means.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import reduce
 from itertools import accumulate, pairwise
 import math
@@ -174,6 +175,15 @@ SLIPS = (
 )
 
 
+NAN_FIRST = (math.nan, 4.0, 6.0)
+FIRST_COUNTS = WHY.slip(
+    'first_counts',
+    *((lambda numbers, first=first: [(first,), *DUE(numbers)[1:]]) for first in (math.nan, 0.0)),
+    lambda numbers: [(math.nan,)] * len(numbers),
+    lambda numbers: [(), *[(math.nan,)] * (len(numbers) - 1)],
+)
+
+
 def first_nan(numbers: Sequence[float]) -> int:
     """Return the index of the first NaN."""
     return next(index for index, number in enumerate(numbers) if math.isnan(number))
@@ -213,20 +223,25 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
     sent = [{'data': one} for one in numbers]
     begins = [Feed(SOURCE, sent[:pause], every_s=EVERY_S), Advance(PAUSE_S)] if pause else []
     rest = feeds(SOURCE, sent[pause:], burst, every_s=EVERY_S)
+    first = [{'data': one} for one in NAN_FIRST]
+    once = Scenario(
+        file='running_mean.py',
+        watch={TARGET: TYPE},
+        feed={SOURCE: TYPE},
+        steps=(Advance(EVERY_S), Feed(SOURCE, first, every_s=EVERY_S)),
+    )
     after_pause = WHY.slip('starts_over', lambda numbers: starts_over(numbers, pause))
     exam = Exam(
         'running_mean',
         title='The running mean',
         assignment='03_topics',
         part=3,
-        scenario=Scenario(
-            file='running_mean.py',
-            watch={TARGET: TYPE},
-            feed={SOURCE: TYPE},
-            steps=(Advance(EVERY_S), *begins, *rest),
-        ),
+        scenario=replace(once, steps=(Advance(EVERY_S), *begins, *rest), again=once),
         read='Part 4: One topic, one type',
-        asks={'means': Specification(numbers, DUE, (*SLIPS, after_pause), burst)},
+        asks={
+            'means': Specification(numbers, DUE, (*SLIPS, after_pause), burst),
+            'from nan': Specification(NAN_FIRST, DUE, (FIRST_COUNTS,)),
+        },
     )
     before = range(first_nan(numbers))
     exam.check(points=1, read=EXERCISE)(node(NODE))
@@ -250,7 +265,15 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
             what='the mean of all numbers so far',
         )
     )
-    exam.check(points=2, needs=['publishes_the_mean'], read=EXERCISE)(ignores_nan)
+    exam.check(points=1, needs=['publishes_the_mean'], read=EXERCISE)(ignores_nan)
+    exam.check(points=1, needs=['ignores_nan'], read=EXERCISE, again=True)(
+        publishes(
+            'from nan',
+            TARGET,
+            check='ignores_nan_at_first',
+            sentence='It ignores NaN even if it is the first number.',
+        )
+    )
     return exam
 
 

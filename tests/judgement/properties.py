@@ -1,6 +1,7 @@
 """Check the rules for all feedback: it is short, discreet and impartial."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import causes_once, check_lines, MOST_LINES, WIDTH
@@ -27,11 +28,15 @@ def revealed_inputs(exam: Exam, result: ExamResult) -> Iterator[str]:
             yield f'{check.check}: reveals {revealed}'
 
 
+def _without_lines(recording: Recording) -> Recording:
+    return replace(recording, events=[{**event, 'line': None} for event in recording.events])
+
+
 def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) -> Iterator[str]:
     """Yield checks whose points depend on the program's text, or whose causes on its style."""
     # The line numbers in the feedback are those of the text that ran.
-    events = [{**event, 'line': None} for event in recording.events]
-    recording = Recording(recording.header, events)
+    again = recording.again and _without_lines(recording.again)
+    recording = replace(_without_lines(recording), again=again)
     due, silent = (judge_recording(exam, text, recording) for text in (files, blanked(files)))
     for check, other in zip(due.checks, silent.checks):
         if check.points != other.points:

@@ -47,6 +47,15 @@ def test_an_exam_that_builds_anyway_stays_as_it_is():
     assert as_package(exam, 'thermo') is exam
 
 
+def test_both_starts_run_the_executable():
+    exam = as_package(catalog.load('courier', hidden=False), 'thermo')
+
+    assert [(one.program, one.build_type) for one in exam.scenario.starts] == [
+        ('package', 'thermo'),
+        ('package', 'thermo'),
+    ]
+
+
 def first_check(code, stderr, files):
     """Return the first check of a run that ended with this exit code."""
     checks = (

@@ -1,9 +1,11 @@
 """The judge has no side effects, so handmade recordings can test it."""
 
+from dataclasses import replace
+
 import pytest
 
 from autograder.errors import ExamInvalid, GraderError
-from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
+from autograder.exam.exam import Advance, Cause, Exam, Failed, Run, Scenario
 from autograder.judging.judge import closest, judge, worth_running
 from autograder.recording import Recording
 from autograder.results import Verdict
@@ -228,3 +230,31 @@ class TestExam:
             exam.check(points=1)(fails)
 
         assert not worth_running(exam, {})
+
+
+class TestSecondStart:
+    """A check may judge the second start of the program."""
+
+    def test_check_sees_only_its_own_start(self):
+        """Without a recording of the second start, the check sees no events."""
+        exam = make_exam(scenario=Scenario(file='a.py', again=Scenario(file='a.py')), requires=())
+        seen = []
+
+        def looks(run):
+            """It looks."""
+            seen.append([one['event'] for one in run.recording.events])
+
+        exam.check(points=1, again=True)(looks)
+        first = Recording({}, [{'event': 'end'}])
+        for recording in (replace(first, again=Recording({}, [{'event': 'mark'}])), first):
+            judge(exam, Run(CODE, recording))
+
+        assert seen == [['mark'], []]
+
+    def test_scenario_has_to_start_the_program_again(self):
+        with pytest.raises(ExamInvalid, match='judges a second start'):
+            make_exam(scenario=Scenario(file='a.py')).check(points=1, again=True)(passes)
+
+    def test_mistake_in_the_second_start_is_found(self):
+        with pytest.raises(ExamInvalid, match='again, step 1'):
+            make_exam(scenario=Scenario(again=Scenario(steps=(Advance(0.0),))))

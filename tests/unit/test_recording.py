@@ -1,5 +1,6 @@
 """Recordings: queries, and storage in files."""
 
+from dataclasses import replace
 import os
 
 from hypothesis import given, settings
@@ -95,6 +96,16 @@ class TestFile:
 
         assert loaded.to_bytes() == SAMPLE.to_bytes()
         assert [file.name for file in path.parent.iterdir()] == ['r.jsonl']
+
+    def test_second_start_is_kept_apart(self):
+        """Queries of the first start do not return events of the second one."""
+        both = replace(SAMPLE, again=replace(SAMPLE, events=SAMPLE.events[-2:]))
+
+        loaded = Recording.from_bytes(both.to_bytes())
+
+        assert loaded.logs() == SAMPLE.logs()
+        assert loaded.again.logs() == []
+        assert loaded.again.end_reason == 'complete'
 
     @pytest.mark.parametrize(
         'text',

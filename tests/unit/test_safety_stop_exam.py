@@ -4,6 +4,7 @@ import pytest
 
 from autograder.exam import catalog
 from autograder.exam.exam import Failed, Run
+from autograder.exam.patterns import why_burst_cut
 from autograder.recording import Recording
 from exams.visible import safety_stop
 from exams.visible.safety_stop import (
@@ -83,13 +84,13 @@ def test_words_of_a_late_stop_have_the_times_of_the_exam():
 
 
 @pytest.mark.parametrize(
-    ('kept', 'cause_id'), [(-1, 'only_the_last'), (0, 'the_rest_dropped'), (1, None)]
+    ('kept', 'cause_id'), [(-1, 'only_the_last'), (0, 'drops_while_busy'), (1, None)]
 )
 def test_burst_of_which_one_command_is_left_is_explained(kept, cause_id):
     """The silence after the burst still causes a stop."""
     asked = safety_stop.exam.facts['commands']
     one = asked.inputs[-safety_stop.BURST :][kept]
 
-    found = asked.cause([*asked.answers[:-1], (STOP, (one.speed, one.turn))])
+    found = why_burst_cut(asked, (STOP, (one.speed, one.turn)))
 
     assert (found and found.cause_id) == cause_id

@@ -21,11 +21,10 @@ class Beacon(LifecycleNode):
 
     def on_deactivate(self, state):
         self.flasher.on_deactivate(state)
-        self.clockwork.cancel()
+        self.destroy_timer(self.clockwork)
         return TransitionCallbackReturn.SUCCESS
 
     def on_cleanup(self, state):
-        self.destroy_timer(self.clockwork)
         self.destroy_lifecycle_publisher(self.flasher)
         return TransitionCallbackReturn.SUCCESS
 
