@@ -19,9 +19,8 @@ from autograder.exam.slips import Compare, warning_slips
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import BURST, feeds, get_parameters, set_parameters, Step
 from autograder.exam.words import Causes
-from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import field_of, own_logs, require_answers, require_node
-from autograder.judging.claims import answers, hears
+from autograder.judging.checks import field_of, own_logs, require_answers
+from autograder.judging.claims import answers, hears, node
 from autograder.judging.log_rows import require_warnings
 from autograder.judging.rows import require_all_sent, rows
 
@@ -150,17 +149,17 @@ DECISIONS = (
 
 
 WARNINGS = (
+    WHY.slip('zero_is_none', warns(limit=lambda one: one.limit or DEFAULT_C)),
     *in_force_slips(lambda limit: warns(limit=limit), LIMIT, DEFAULT_C),
     *warning_slips(warns, LIMIT, BURST),
 )
 
 
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called limit_keeper, with the place motor."""
-    require_node(run, NODE)
-    found = [field_of(one, 'values.0.string_value') for one in run.recording.answers(READ)]
-    if found != [ROOM]:
-        raise replace(WHY.failed('other_place', why_silent(run)), blocks=False)
+def declares_its_parameters(run: Run) -> None:
+    """Without arguments, its limit is 30.0, and its place is motor."""
+    due = {'values.0.double_value': DEFAULT_C, 'values.1.string_value': ROOM}
+    what = f'the request for {LIMIT} and {PLACE}'
+    require_answers(run, READ, [due], what, explain=lambda place: WHY['other_default'])
 
 
 def _require_warnings(run: Run, before: bool) -> None:
@@ -206,7 +205,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     :param changes: the first one sets a valid float
     """
     sent = list(readings(start, changes))
-    steps: list[Step] = [get_parameters(NODE, [PLACE])]
+    steps: list[Step] = []
     for number in range(len(changes) + 1):
         steps += [set_parameters(NODE, dict([changes[number - 1]]))] if number else []
         values = [one.value for one in sent if one.changes == number]
@@ -224,6 +223,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
             arguments=('-p', f'{LIMIT}:={start}'),
             feed={SOURCE: TYPE},
             steps=steps,
+            again=Scenario(file='limit_keeper.py', steps=[get_parameters(NODE, [LIMIT, PLACE])]),
         ),
         read='Part 5: A threshold that can be changed',
         asks={
@@ -231,10 +231,11 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
             'warnings': Specification(sent, warns(), WARNINGS, BURST),
         },
     )
-    exam.check(points=1)(starts_its_node)
+    exam.check(points=1)(node(NODE))
     exam.check(points=1)(hears(SOURCE, TYPE))
     exam.check(points=2, needs=['hears_motor_temperature'])(warns_above_the_limit)
-    exam.check(points=3, needs=['starts_its_node'])(
+    exam.check(points=1, needs=['starts_its_node'], again=True)(declares_its_parameters)
+    exam.check(points=2, needs=['starts_its_node'])(
         answers(
             'changes',
             SERVICE,
@@ -247,5 +248,17 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     return exam
 
 
-limits = (35.0, *NO_NUMBERS, 200.0, 40, LOWEST_C, -300.0, HIGHEST_C, *JUST_OUTSIDE, 130.0, 60.5)
+limits = (
+    35.0,
+    0.0,
+    *NO_NUMBERS,
+    200.0,
+    40,
+    LOWEST_C,
+    -300.0,
+    HIGHEST_C,
+    *JUST_OUTSIDE,
+    130.0,
+    60.5,
+)
 exam = build(28.4, [*((LIMIT, one) for one in limits), (PLACE, 'pump'), (PLACE, '')])

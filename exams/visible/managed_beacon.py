@@ -8,6 +8,8 @@ The command line sets the namespace; the second start is in the root namespace, 
 beacon is cleaned up before it was ever active.
 """
 
+from collections.abc import Sequence
+
 from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import (
     Advance,
@@ -43,8 +45,8 @@ from autograder.submission.code.source_code import Code
 TYPE = 'std_msgs/msg/String'
 WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanup')
 ASKED = (*WAYS, 'configure', 'activate')
-UNUSED = ('deactivate', 'cleanup', 'configure', 'cleanup', 'configure', 'activate')
-"""Transitions at the end, which clean up a configuration that was never active."""
+UNUSED = ('configure', 'cleanup', 'configure')
+"""Transitions of the second start, which clean up a configuration that was never active."""
 SILENT = ('unconfigured', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
 UNHEARD_S = 1.2  # in the first active phase, without a subscription [s]
@@ -73,7 +75,7 @@ def is_managed(run: Run) -> None:
 def creates_its_publisher(run: Run) -> None:
     """It creates the publisher on beacon_signal when it is configured, and not earlier."""
     if not publishers(run, 'configured'):
-        _require_transitions(run, 1)
+        _require_transitions(run, ASKED[:1], run.facts['node'])
     require_partner(require_endpoint(run, 'publisher', run.facts['topic'], TYPE))
     if publishers(run, 'unconfigured'):
         raise WHY.failed('published_too_early')
@@ -83,20 +85,15 @@ def creates_its_publisher(run: Run) -> None:
 
 def takes_every_transition(run: Run) -> None:
     """It carries out every requested transition, in two rounds."""
-    _require_transitions(run, len(ASKED))
+    _require_transitions(run, ASKED, run.facts['node'])
 
 
-def _require_transitions(run: Run, count: int) -> None:
-    """
-    Fail unless the first requested transitions succeed.
-
-    :param count: number of transitions in :data:`ASKED` and :data:`UNUSED`
-    """
-    asked = (*ASKED, *UNUSED)
+def _require_transitions(run: Run, asked: Sequence[str], beacon: str) -> None:
+    """Fail unless the first requested transitions of a node succeed."""
     require_answers(
         run,
-        f'{run.facts["node"]}/change_state',
-        [{'success': True}] * count,
+        f'{beacon}/change_state',
+        [{'success': True}] * len(asked),
         'the transitions configure, activate, deactivate and cleanup',
         explain=lambda place: why_refused(run, asked[place], again=asked[place] in asked[:place]),
     )
@@ -165,19 +162,11 @@ def cleans_up(run: Run) -> None:
             or (WHY['configured_once'] if publishers(run, 'configured') else WHY['too_late']),
         )
     _require_beat(run, 'active after cleanup', WHY['mute_after_cleanup'], WHY['not_cleaned'])
-    _require_transitions(run, len(ASKED) + len(UNUSED))
 
 
 def cleans_up_unused(run: Run) -> None:
     """In the root namespace, too, it is configured, and cleaned up before it is ever active."""
-    ways = ('configure', 'cleanup')
-    require_answers(
-        run,
-        '/beacon/change_state',
-        [{'success': True}] * len(ways),
-        'the transitions configure and cleanup',
-        explain=lambda place: why_refused(run, ways[place]),
-    )
+    _require_transitions(run, UNUSED, '/beacon')
     require_endpoint(run, 'publisher', '/beacon_signal', TYPE)
 
 
@@ -206,10 +195,8 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
         *(Mark('cleaned'), deactivate, cleanup, pause, Look('cleaned')),
         *(Mark('configured again'), configure, pause, Look('configured again')),
         *(Mark('active after cleanup'), activate, work),
-        *(Mark('cleaned again'), *(changes[way] for way in UNUSED)),
     ]
-    born, gone = (transition('/beacon', way) for way in ('configure', 'cleanup'))
-    unused = (pause, born, pause, Look('configured'), gone)
+    unused = (pause, *(transition('/beacon', way) for way in UNUSED))
     exam = Exam(
         'managed_beacon',
         title='The managed beacon',
