@@ -45,7 +45,7 @@ from autograder.submission.code.source_code import Code
 TYPE = 'std_msgs/msg/String'
 WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanup')
 ASKED = (*WAYS, 'configure', 'activate')
-UNUSED = ('configure', 'cleanup', 'configure')
+UNUSED = ('configure', 'cleanup')
 """Transitions of the second start, which clean up a configuration that was never active."""
 SILENT = ('unconfigured', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
@@ -196,7 +196,8 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
         *(Mark('configured again'), configure, pause, Look('configured again')),
         *(Mark('active after cleanup'), activate, work),
     ]
-    unused = (pause, *(transition('/beacon', way) for way in UNUSED))
+    born, gone = (transition('/beacon', way) for way in UNUSED)
+    unused = (pause, born, pause, Look('configured'), gone)
     exam = Exam(
         'managed_beacon',
         title='The managed beacon',

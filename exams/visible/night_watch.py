@@ -12,8 +12,8 @@ from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
-from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
-from autograder.judging.causes.text_table import why_by_code
+from autograder.judging.causes.missing_logs import CALLS, why_left_out, why_not_logged
+from autograder.judging.causes.text_table import cause_of, why_by_code
 from autograder.judging.checks import own_logs, SECOND
 from autograder.judging.claims import node
 from autograder.judging.numbers import whole_numbers_in, why_not_numbered
@@ -179,7 +179,8 @@ def _why_level(
     ):
         return WHY['follows_number']
     if came[place][0] not in (INFO, WARN):
-        return WHY['wrong_level']
+        level, line = LEVELS.get(came[place][0], ''), found[place].get('line')
+        return cause_of('wrong_level', other=level, call=CALLS[asked.answers[place][0]], line=line)
     if slip := asked.cause(came, place):
         return slip
     if came[place] == (INFO,):

@@ -112,7 +112,7 @@ def logs_each_distance(run: Run) -> None:
         if len(found) != due and len(at_once) != 1:
             shown = f'the number of distance {index + 1}' if run.secret else f'{distance:g}'
             raise Failed(
-                expected=f'one INFO line with {shown}',
+                expected=f'one INFO line with {shown}, each time it arrives',
                 observed=f'{lines(len(found), INFO)} with {shown}',
                 why=WHY['logged_twice']
                 if len(found) > due
@@ -131,7 +131,8 @@ def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
         tuple(_shown_in(str(line['text']), one) for line in row or ())
         for one, row in zip(asked.inputs, rows(run, 'distances', own_logs(run, NODE, INFO)))
     ]
-    if why := why_silent(run) or asked.cause(came, index):
+    left_out = why_left_out(run, INFO, run.recording.logs(level=INFO))
+    if why := why_silent(run) or left_out or asked.cause(came, index):
         return why
     if later or (why := _why_unheard(run)):
         return why
