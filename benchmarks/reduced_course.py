@@ -65,7 +65,7 @@ def build(
 
     :param root: an empty folder
     :param answers: text of ``temp_publisher.py``, by student
-    :param seconds: duration of the exam [virtual s]
+    :param seconds: duration of the exam, and of its second start [virtual s]
     :param more: code of additional checks, appended to the exam's module
     :param more_points: points of the additional checks
     """
@@ -76,6 +76,7 @@ def build(
         shutil.copy2(course.root / name, root)
     exam = root / 'exams' / 'hidden' / f'{EXAM}.py'
     replace_once(exam, 'seconds=WATCH_S', f'seconds={seconds}')
+    replace_once(exam, 'warming_s=300.0', f'warming_s={seconds}')
     exam.write_text(exam.read_text(encoding='utf-8') + more, encoding='utf-8')
     name = course.release(ASSIGNMENT).name
     notebook = read_release(course.solutions / ASSIGNMENT / name)
