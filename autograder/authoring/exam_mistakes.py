@@ -41,7 +41,12 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
     """
     places: list[str] = []
     pairs: list[tuple[str, Mapping[str, Any] | None]] = []
-    for name, start in ((exam.name, one) for exam in exams for one in exam.scenario.starts):
+    starts = (
+        (exam.name + ', again' * later, start)
+        for exam in exams
+        for later, start in enumerate(exam.scenario.starts)
+    )
+    for name, start in starts:
         types: dict[str, str] = {}
         for place, topic, kind in start.types():
             types[topic] = kind

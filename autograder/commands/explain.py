@@ -97,6 +97,8 @@ def evidence(
     recording = None
     with suppress(RecordingInvalid):
         recording = Recording.load(path) if exam_result.recording else None
+    again = any(one.again for one in exam.checks if one.name == verdict.check)
+    start = recording.again if recording and again else recording
     facts = {**verdict.facts, **({'waits for': verdict.waits_for} if verdict.waits_for else {})}
     digests = [f'{name} {_digest(text.encode())}' for name, text in files.items()]
     lines = [
@@ -105,11 +107,12 @@ def evidence(
         *(f'  {word}: {" ".join(text.split())}' for word, text in facts.items()),
         f'  {now}',
         '',
-        *_events_around(exam, verdict.check, files, recording),
+        *(['In the second start of the program:'] * bool(start and again)),
+        *_events_around(exam, verdict.check, files, start),
         '',
-        *_last_words(recording),
+        *_last_words(start),
         f'files (SHA-256): {", ".join(digests) or "none"}',
-        *_about(path, recording, files),
+        *_about(path, start, files),
         f'isolation: {exam_result.mode or "nothing was run"}',
         *(f'flag: {flag}' for flag in result.flags[:3]),
         'This output shows inputs of the hidden exam. Do not pass it on to students unedited.',
@@ -182,18 +185,16 @@ def _events_around(
     exam: Exam, name: str, files: Mapping[str, str], recording: Recording | None
 ) -> Iterator[str]:
     """Yield the first deviation, the events around it, and the last inputs before it."""
-    check = next((one for one in exam.checks if one.name == name), None)
-    run = Run(files, recording or Recording({}, ()), exam.facts)
-    run = check.run_of(run) if check else run
-    events = run.recording.events
+    events = recording.events if recording else ()
     seen = [number for number, event in enumerate(events) if live_line(event)]
-    if not seen:
+    if not recording or not seen:
         yield (
             'No recording: nothing was run, so the files alone gave the verdict, or the recording '
             'was deleted.'
         )
         return
-    where = deviation(check, run) if check else None
+    check = next((one for one in exam.checks if one.name == name), None)
+    where = deviation(check, Run(files, recording, exam.facts)) if check else None
     if where is None:
         yield 'No deviation; the run begins with:'
         shown = seen[: BEFORE + AFTER]

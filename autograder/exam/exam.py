@@ -240,8 +240,8 @@ class Exam:
                 f'{where}: the scenario runs no program, so the check can use only files.',
                 'Add the check with static=True, or give the scenario a program.',
             )
-        if check.again and not self.scenario.again:
-            raise ExamInvalid(f'{where}: judges a second start, but the scenario has none.')
+        if check.again and (check.static or not self.scenario.again):
+            raise ExamInvalid(f'{where}: judges a second start, but there is none.')
         for need in check.needs:
             if need not in names:
                 raise ExamInvalid(

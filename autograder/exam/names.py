@@ -37,9 +37,10 @@ class Names:
         """Return the names of a scenario, in order of appearance."""
         published: dict[str, str] = {}
         heard: dict[str, str] = {}
-        for kind, topic, name in scenario.endpoints():
+        for kind, topic, name in (end for one in scenario.starts for end in one.endpoints()):
             (published if kind == 'publisher' else heard).setdefault(topic, name)
-        return cls(published, heard, tuple(dict.fromkeys(_parameters(scenario))))
+        parameters = (name for one in scenario.starts for name in _parameters(one))
+        return cls(published, heard, tuple(dict.fromkeys(parameters)))
 
     @cached_property
     def homes(self) -> Mapping[str, str]:

@@ -59,7 +59,7 @@ def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, 
             picture = _connections(scenario, seen, result)
             picture = picture or _timeline(scenario, check, seen, result)
             if exam.hidden and picture:
-                picture = _without_secrets(exam.scenario, picture)
+                picture = _without_secrets(scenario, picture)
         except Exception:  # noqa: BLE001 - A failed picture must not prevent the verdict.
             continue
         text = json.dumps(picture, sort_keys=True)

@@ -232,7 +232,9 @@ def require_values(
             observed=f'{shown_values(run, came[place])} {after}',
             why=why_silent(while_running(run, asked, place, short))
             or asked.cause(without_last(run, came, place), place, places or ())
-            or (why_burst_cut(asked, came[place] or ()) if short else None),
+            or (
+                why_burst_cut(asked, came[place] or ()) if short and asked.row(place)[1:] else None
+            ),
             place=place,
         )
 

@@ -24,7 +24,7 @@ from autograder.judging.claims import answers, hears, node
 from autograder.judging.log_rows import require_warnings
 from autograder.judging.rows import require_all_sent, rows
 
-LIMIT, PLACE, ROOM = 'limit_c', 'place', 'motor'
+LIMIT, PLACE, DEFAULT_PLACE = 'limit_c', 'place', 'motor'
 LOWEST_C, HIGHEST_C = -40.0, 125.0
 NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
 JUST_OUTSIDE = (LOWEST_C * (1 + 1e-9), HIGHEST_C * (1 + 1e-9))
@@ -37,7 +37,7 @@ SERVICE, READ, DEFAULT_C = f'{NODE}/set_parameters', f'{NODE}/get_parameters', 3
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
 
 
-WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, ROOM=ROOM)
+WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, DEFAULT_C=DEFAULT_C, DEFAULT_PLACE=DEFAULT_PLACE)
 
 
 class Reading(NamedTuple):
@@ -157,7 +157,7 @@ WARNINGS = (
 
 def declares_its_parameters(run: Run) -> None:
     """Without arguments, its limit is 30.0, and its place is motor."""
-    due = {'values.0.double_value': DEFAULT_C, 'values.1.string_value': ROOM}
+    due = {'values.0.double_value': DEFAULT_C, 'values.1.string_value': DEFAULT_PLACE}
     what = f'the request for {LIMIT} and {PLACE}'
     require_answers(run, READ, [due], what, explain=lambda place: WHY['other_default'])
 

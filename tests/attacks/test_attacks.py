@@ -91,8 +91,9 @@ def test_attack_finds_and_reaches_nothing(graded, attack):
     if outcome.recording is not None:
         text = outcome.recording.to_bytes().decode()
         assert CANARY not in text
-        for word in LOOT:
-            assert word not in str(outcome.recording.process.get('stdout', ''))
+        starts = outcome.recording, outcome.recording.again
+        for printed in (str(one.process.get('stdout', '')) for one in starts if one):
+            assert not any(word in printed for word in LOOT)
 
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)

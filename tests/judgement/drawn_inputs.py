@@ -26,8 +26,8 @@ def texts_of(check: CheckResult) -> str:
 def revealed_values(exam: Exam, text: str) -> list[str]:
     """Return the drawn values, times and namespace that a text reveals."""
     words = {word.casefold() for word in _WORD.findall(text.replace('/', ' '))}
-    space = namespace_of(exam.scenario).strip('/')
-    found = [space] if space and space in text.casefold() else []
+    spaces = (namespace_of(one).strip('/') for one in exam.scenario.starts)
+    found = [space for space in spaces if space and space in text.casefold()]
     found += sorted(words & _secret_words(exam))
     numbers = [(float(one), one) for one in _NUMBER.findall(text) if _digits(one) >= LEAST_DIGITS]
     values, moments = list(_secret_numbers(exam)), list(_moments_s(exam))
@@ -74,7 +74,7 @@ def _moments_s(exam: Exam) -> Iterator[float]:
 
 def sent_by(exam: Exam) -> Iterator[Any]:
     """Yield each string and number that an exam sends or sets."""
-    for step in exam.scenario.steps:
+    for step in (step for one in exam.scenario.starts for step in one.steps):
         if isinstance(step, Feed):
             yield from _leaves([message for message in step.messages])
         elif isinstance(step, Call):

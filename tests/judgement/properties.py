@@ -42,7 +42,8 @@ def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) ->
         if check.points != other.points:
             yield f'{check.check}: other points without the text'
     ways = [commented]
-    if 'Traceback' not in str(recording.process.get('stderr', '')):
+    starts = (one for one in (recording, recording.again) if one)
+    if not any('Traceback' in str(one.process.get('stderr', '')) for one in starts):
         ways.append(rewritten)
     for way in ways:
         for check, other in zip(due.checks, judge_recording(exam, way(files), recording).checks):

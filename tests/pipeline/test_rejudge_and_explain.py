@@ -66,14 +66,14 @@ def fit(layout: Layout, exam: Exam) -> None:
 def graded(released, tmp_path_factory):
     """Return a course in which four students were graded with real runs."""
     layout, here = copied(released, tmp_path_factory.mktemp('graded')), Layout.here()
-    fit(layout, build(20, 0.07, 1.25))
+    fit(layout, build(20, 0.07, 1.25, 20.0))
     for name in STUDENTS:
         place = layout.submitted / name / ASSIGNMENT
         place.mkdir(parents=True)
         data = sample_class.compose(here, ASSIGNMENT, here.sample_class / ASSIGNMENT / name)
         (place / here.release(ASSIGNMENT).name).write_bytes(data)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(catalog, 'for_assignment', lambda *_, **__: (build(20, 0.07, 1.25),))
+        patch.setattr(catalog, 'for_assignment', lambda *_, **__: (build(20, 0.07, 1.25, 20.0),))
         engine = OneExam(strongest(), layout.recordings)
         lesson = load_lesson(layout, ASSIGNMENT, engine)
         class_ = discover(layout.submitted, ASSIGNMENT, lesson.notebook)
@@ -95,7 +95,7 @@ def now(monkeypatch, layout):
         fit(layout, exam)
         monkeypatch.setattr(catalog, 'for_assignment', lambda *_, **__: (exam,))
 
-    put(build(20, 0.07, 1.25))
+    put(build(20, 0.07, 1.25, 20.0))
     return put
 
 
@@ -128,7 +128,7 @@ class TestRejudge:
 
     def test_it_is_listed_who_has_other_points_by_which_check_and_why(self, layout, now):
         """The account lists an edited check, one with more points, and a new one."""
-        exam = build(20, 0.07, 1.25)
+        exam = build(20, 0.07, 1.25, 20.0)
 
         def names_the_unit(run):
             """Every reading has the unit Kelvin."""
@@ -160,7 +160,7 @@ class TestRejudge:
         assert 'starts_its_node' not in changed
 
     def test_another_scenario_needs_another_run(self, layout, now):
-        now(build(21, 0.07, 1.25))
+        now(build(21, 0.07, 1.25, 20.0))
 
         accounts = rejudge_command(layout, None, None, write=False)
 
@@ -189,7 +189,7 @@ class TestRejudge:
 
     def test_nothing_is_written_unless_asked(self, layout, now):
         """With --write, both the reports and the gradebook have the new points."""
-        exam = build(20, 0.07, 1.25)
+        exam = build(20, 0.07, 1.25, 20.0)
 
         def refuse(run):
             raise Failed(expected='more', observed='less')
@@ -229,7 +229,7 @@ class TestRejudge:
         slowest = [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)]
         rejudge_command(layout, None, None, write=True)
         (unchanged,) = rejudge_command(layout, None, None, write=True)
-        exam = build(20, 0.07, 1.25)
+        exam = build(20, 0.07, 1.25, 20.0)
         exam.checks = [
             replace(check, judge=lambda run: None)
             if check.name == 'publishes_once_per_second'
@@ -316,7 +316,7 @@ class TestExplain:
             evidence(layout, student, check)
 
     def test_an_edited_exam_says_what_comes_out_now(self, layout, now):
-        exam = build(20, 0.07, 1.25)
+        exam = build(20, 0.07, 1.25, 20.0)
         exam.checks = [
             replace(check, judge=lambda run: None) if check.name == 'names_the_sensor' else check
             for check in exam.checks
@@ -343,7 +343,7 @@ class TestCommands:
 
     def test_rejudge_returns_for_review_when_a_scenario_has_changed(self, now):
         """A different scenario needs a new run."""
-        now(build(21, 0.07, 1.25))
+        now(build(21, 0.07, 1.25, 20.0))
 
         assert command.main(['rejudge']) == FOR_REVIEW
 
@@ -366,7 +366,7 @@ class TestCommands:
         def refuse(*_):
             raise GraderError('nbgrader failed while recording: no disk.')
 
-        exam = build(20, 0.07, 1.25)
+        exam = build(20, 0.07, 1.25, 20.0)
         exam.checks = [replace(check, points=7) for check in exam.checks]
         now(exam)
         monkeypatch.setattr('autograder.gradebook.live_entry.record', refuse)

@@ -116,7 +116,7 @@ def warming(values):
         }
         for value in values
     ]
-    return Run({}, Recording({}, (*sent, *ENDS)), {'seconds': 10})
+    return Run({}, Recording({}, (*sent, *ENDS)), {'seconds': 10, 'warming_s': 10.0})
 
 
 def test_formula_is_not_blamed_for_a_flood():
