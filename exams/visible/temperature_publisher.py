@@ -169,7 +169,9 @@ def _before_the_clock(run: Run, reading: Event) -> bool:
 
 def readings_are_plausible(run: Run) -> None:
     """The readings are plausible temperatures, and they vary."""
-    values = [float(event['data']['temperature_value']) for event in enough_readings(run, 'warming_s')]
+    values = [
+        float(event['data']['temperature_value']) for event in enough_readings(run, 'warming_s')
+    ]
     # If a node floods the topic, a value that grows with each message leaves the range: judge only
     # as many readings as expected.
     due = int(run.facts['warming_s'])
