@@ -297,6 +297,20 @@ class TestExplain:
         assert 'PASSED, 1 of 1 points' in text
         assert not [line for line in text.splitlines() if line.startswith('>')]
 
+    def test_evidence_of_a_second_start_is_from_this_start(self, layout, now):
+        results = {one.student: one for one in last_results(layout, ASSIGNMENT)}
+        name = results['pass__reference'].exams[0].recording
+        recording = Recording.load(layout.recordings / 'temperature_publisher' / name)
+        first, second = (
+            evidence(layout, 'pass__reference', check)
+            for check in ('names_the_unit', 'readings_are_plausible')
+        )
+
+        assert 'In the second start of the program:\n' in second
+        assert f'  {len(recording.again.events)} events, end: complete' in second
+        assert f'  {len(recording.events)} events, end: complete' in first
+        assert 'second start' not in first
+
     @pytest.mark.parametrize(
         ('student', 'check', 'said'),
         [
