@@ -5,7 +5,6 @@ import math
 import random
 
 from autograder.exam.inputs import generator
-from autograder.exam.steps import BURST
 from exams.readings import Reading, THRESHOLD_C
 from exams.visible.temperature_subscriber import build
 
@@ -81,7 +80,7 @@ def cool(draw: random.Random) -> Reading:
 
 _draw = generator('temperature_subscriber', 'readings')
 _again = hot(_draw)
-_burst = [draw(_draw) for draw in (hot, cool) for _ in range((BURST - 1) // 2 + (draw is hot))]
+_burst = [*(hot(_draw) for _ in range(5)), *(cool(_draw) for _ in range(4))]
 _draw.shuffle(_burst)
 *_units, _nan = odd(_draw)
 exam = build(
@@ -111,5 +110,5 @@ exam = build(
         hot(_draw),
         *(cool(_draw), hot(_draw), *_burst),
     ],
-    burst=BURST,
+    burst=1 + len(_burst),
 )
