@@ -49,6 +49,8 @@ def observe(
     """
     Run a student's files through a scenario and record the run.
 
+    A program that a limit ended is not started a second time: its end counts for both starts.
+
     :param exam_name: for the recording's header
     :param scenario: made by :meth:`autograder.exam.scenario.Scenario.to_json`
     :param files: text by relative path
@@ -60,6 +62,9 @@ def observe(
     found, timing = _observe_start(exam_name, scenario, files, sandbox, on_event)
     if not scenario.get('again'):
         return found, timing
+    if found.process.get('killed'):
+        ends = [event for event in found.events if event['event'] in ('end', 'process')]
+        return replace(found, again=replace(found, events=ends)), timing
     if on_event is not None:
         on_event({'event': 'again'})
     second, more = _observe_start(exam_name, scenario['again'], files, sandbox, on_event)

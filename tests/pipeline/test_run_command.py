@@ -294,7 +294,7 @@ class TestRuns:
         assert (len(first), len(second)) == (
             9,
             10,
-        )  # the first start begins without a subscription
+        )  # at first, nothing subscribes
         assert first[0].strip().startswith('2.400s  /temperature_topic: temperature_value: 23.0')
 
     def test_a_notebook_is_one_too_and_json_has_all(self, tmp_path, capsys):
