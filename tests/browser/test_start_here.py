@@ -31,7 +31,8 @@ def test_lab_opens_start_here_and_its_links_lead_to_lessons(
     ready = page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle')
     expect(ready).to_be_visible(timeout=OPEN_MS)
     run_all(page)
-    shown = page.locator('.jp-OutputArea-output')
+    # A notebook of an earlier test may be open, but hidden.
+    shown = page.locator('.jp-NotebookPanel:not(.lm-mod-hidden) .jp-OutputArea-output')
     expect(shown).to_contain_text(re.compile(r'\d+ of \d+ points; next: lesson'), timeout=CELL_MS)
     shown.scroll_into_view_if_needed()
     page.screenshot(path=shots / 'start_here.png')
