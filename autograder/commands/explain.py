@@ -17,7 +17,7 @@ from autograder.classroom.people import read_people, student_named
 from autograder.classroom.results_of_class import graded
 from autograder.commands import OK, option, STUDENT, SUBMITTED, takes
 from autograder.errors import GraderError, RecordingInvalid
-from autograder.exam.exam import Exam, Run
+from autograder.exam.exam import Check, Exam, Run
 from autograder.explaining.feedback import points_of, printable
 from autograder.explaining.live import live_line
 from autograder.grading.examine import judge_again
@@ -97,7 +97,8 @@ def evidence(
     recording = None
     with suppress(RecordingInvalid):
         recording = Recording.load(path) if exam_result.recording else None
-    again = any(one.again for one in exam.checks if one.name == verdict.check)
+    checked = next((one for one in exam.checks if one.name == verdict.check), None)
+    again = bool(checked and checked.again)
     start = recording.again if recording and again else recording
     facts = {**verdict.facts, **({'waits for': verdict.waits_for} if verdict.waits_for else {})}
     digests = [f'{name} {_digest(text.encode())}' for name, text in files.items()]
@@ -108,7 +109,7 @@ def evidence(
         f'  {now}',
         '',
         *(['In the second start of the program:'] * bool(start and again)),
-        *_events_around(exam, verdict.check, files, start),
+        *_events_around(exam, checked, files, start),
         '',
         *_last_words(start),
         f'files (SHA-256): {", ".join(digests) or "none"}',
@@ -182,7 +183,7 @@ def _compare_with_now(
 
 
 def _events_around(
-    exam: Exam, name: str, files: Mapping[str, str], recording: Recording | None
+    exam: Exam, check: Check | None, files: Mapping[str, str], recording: Recording | None
 ) -> Iterator[str]:
     """Yield the first deviation, the events around it, and the last inputs before it."""
     events = recording.events if recording else ()
@@ -193,7 +194,6 @@ def _events_around(
             'was deleted.'
         )
         return
-    check = next((one for one in exam.checks if one.name == name), None)
     where = deviation(check, Run(files, recording, exam.facts)) if check else None
     if where is None:
         yield 'No deviation; the run begins with:'
