@@ -1,5 +1,6 @@
 """Give all tests repeatable points, and programs that can be interrupted."""
 
+import gc
 import os
 import signal
 
@@ -8,3 +9,9 @@ os.environ['COURSE_SECRET'] = 'the secret of the tests'
 
 # A shell starts background jobs with SIGINT ignored, and their child processes inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector skip what has been collected, which lasts as long as the tests."""
+    gc.collect()
+    gc.freeze()
