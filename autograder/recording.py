@@ -50,6 +50,11 @@ class Recording:
     events: Sequence[Event]
     again: Recording | None = None
 
+    @property
+    def starts(self) -> tuple[Recording, ...]:
+        """Return the recording of the first start, followed by that of a second one."""
+        return (self, self.again) if self.again else (self,)
+
     def of(self, kind: str, **where: Any) -> list[Event]:
         """
         Return the events of one kind whose fields have the given values.

@@ -157,17 +157,11 @@ def judge_recording(
         checks,
         '',
         mode,
-        _flags(exam, recording),
+        flags_of(recording, exam.scenario),
         {**timing, 'judge_s': time.perf_counter() - began},
         not_protected=not_protected(mode),
         pictures=pictures(exam, run, checks),
     )
-
-
-def _flags(exam: Exam, recording: Recording) -> tuple[str, ...]:
-    """Return the flags of a run and of its second start, each only once."""
-    starts = zip((recording, recording.again), exam.scenario.starts)
-    return tuple(dict.fromkeys(flag for one, how in starts if one for flag in flags_of(one, how)))
 
 
 def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:

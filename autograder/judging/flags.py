@@ -24,28 +24,33 @@ _OWN_TOPICS = ('/rosout', '/parameter_events')  # one publisher per node, create
 
 def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
     """
-    Return the flags of a run.
+    Return the flags of a run and of its second start, each only once.
 
     :param scenario: what the probe did in this run
     """
+    starts = zip(recording.starts, scenario.starts)
+    return tuple(dict.fromkeys(flag for start in starts for flag in _of_start(*start)))
+
+
+def _of_start(recording: Recording, scenario: Scenario) -> Iterator[str]:
     process = recording.process
-    found = [*_about_topics(recording, scenario), *_about_nodes(recording)]
+    yield from _about_topics(recording, scenario)
+    yield from _about_nodes(recording)
     counts = (one.get('count', len(one['endpoints'])) for one in recording.of('graph'))
     if max(counts, default=0) > MANY_ENDPOINTS:
-        found.append(f'more than {MANY_ENDPOINTS} publishers and subscriptions')
+        yield f'more than {MANY_ENDPOINTS} publishers and subscriptions'
     if recording.end_reason == 'too_many_events':
-        found.append('more messages and log lines than the grader records')
+        yield 'more messages and log lines than the grader records'
     if any('too_large' in message for message in recording.of('message')):
-        found.append('a message too large to be recorded')
+        yield 'a message too large to be recorded'
     if process.get('left'):
-        found.append('other processes of the program were still running at the end')
+        yield 'other processes of the program were still running at the end'
     if process.get('killed'):
-        found.append(f'ended by the grader: {process["killed"]}')
+        yield f'ended by the grader: {process["killed"]}'
     elif process.get('exit') in _ENDING:
-        found.append(f'ended with exit code {process["exit"]}, as after a signal from outside')
+        yield f'ended with exit code {process["exit"]}, as after a signal from outside'
     elif process.get('exit') and scenario.build_type and 'Killed' in output_of(recording):
-        found.append('printed "Killed", as after a compiler was killed')
-    return tuple(found)
+        yield 'printed "Killed", as after a compiler was killed'
 
 
 def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:

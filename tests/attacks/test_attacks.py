@@ -91,8 +91,7 @@ def test_attack_finds_and_reaches_nothing(graded, attack):
     if outcome.recording is not None:
         text = outcome.recording.to_bytes().decode()
         assert CANARY not in text
-        starts = outcome.recording, outcome.recording.again
-        for printed in (str(one.process.get('stdout', '')) for one in starts if one):
+        for printed in (str(one.process.get('stdout', '')) for one in outcome.recording.starts):
             assert not any(word in printed for word in LOOT)
 
 

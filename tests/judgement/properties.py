@@ -42,8 +42,7 @@ def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) ->
         if check.points != other.points:
             yield f'{check.check}: other points without the text'
     ways = [commented]
-    starts = (one for one in (recording, recording.again) if one)
-    if not any('Traceback' in str(one.process.get('stderr', '')) for one in starts):
+    if not any('Traceback' in str(one.process.get('stderr', '')) for one in recording.starts):
         ways.append(rewritten)
     for way in ways:
         for check, other in zip(due.checks, judge_recording(exam, way(files), recording).checks):
