@@ -40,7 +40,7 @@ quick: prepare
 # Run more test files in parallel than there are processors, because most tests wait. The tests of
 # a file run in order. ARGS='-n 0' runs one file after another.
 test: prepare
-	@exec $(WITH_ROS) python -m pytest -n 4 --dist loadfile $(ARGS)
+	@exec $(WITH_ROS) python -m pytest -n 3 --dist loadfile $(ARGS)
 
 # HUB=FILE replaces the settings in deploy/hub/hub.toml.
 hub: export HUB := $(HUB)
