@@ -200,8 +200,10 @@ finally:
     node.destroy_node()
     rclpy.try_shutdown()
 """
+# A thread of rclpy shuts the context down, on a busy machine later than the exception arrives.
 OFTEN_SEEN = """
 import threading
+import time
 import rclpy
 rclpy.init()
 node = rclpy.create_node('subject')
@@ -211,7 +213,8 @@ try:
     threading.Timer(0.5, print, ['up'], {'flush': True}).start()
     rclpy.spin(node)
 except KeyboardInterrupt:
-    pass
+    while rclpy.ok():
+        time.sleep(0.01)
 finally:
     node.destroy_node()
     rclpy.shutdown()
