@@ -21,6 +21,7 @@ from autograder.submission.code.source_code import Code
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
 CONNECTS = 'a subscription connects'
+FEW = 7  # number of messages that show how far apart messages are
 FLOOD = 10
 """A flood is more than this multiple of the expected count; its recording may be incomplete."""
 
@@ -120,8 +121,9 @@ class Unheard(NamedTuple):
 
     @property
     def missed(self) -> int:
-        """Return how many messages nobody received."""
-        return int(self.after['number']) - 1 - (self.before['number'] if self.before else 0)
+        """Return how many messages nobody received; 0 if another publisher counts anew."""
+        before = self.before['number'] if self.before else 0
+        return max(0, int(self.after['number']) - 1 - before)
 
 
 def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
@@ -130,7 +132,7 @@ def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
 
     The number of the first message after such a time shows how many were missed.  They are
     assumed to be evenly spaced from the message before it or, if there is none, as far apart as
-    the later messages are on average.
+    the next few messages are on average.
 
     :param found: messages on one topic, in order
     """
@@ -138,7 +140,8 @@ def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
     whole = list(found)
     for one in reversed(_unheard(run, found)):
         place = whole.index(one.after)
-        begin, times = one.before, [event['clock_ns'] for event in whole[place:]]
+        few = whole[place : place + FEW]
+        begin, times = one.before, [event['clock_ns'] for event in few]
         if begin:
             gap_ns = (times[0] - begin['clock_ns']) / (one.missed + 1)
         else:
@@ -165,10 +168,8 @@ def _unheard(run: Run, found: Sequence[Event]) -> list[Unheard]:
 
 def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | None:
     """Explain a program that published nothing while its topic had no subscription."""
-    times, asks = _unheard(run, found), place_of(Code(run.files), 'get_subscription_count()')
-    if any(one.missed for one in times):
-        return None
-    for one in times:
+    asks = place_of(Code(run.files), 'get_subscription_count()')
+    for one in (one for one in _unheard(run, found) if not one.missed):
         later = _gaps(_seconds(found[found.index(one.after) :]))
         first, lasts_s = one.after is found[0], (one.after['clock_ns'] - one.left_ns) / SECOND
         # A node that skips its first calls publishes nothing at first, heard or unheard.

@@ -155,10 +155,10 @@ class TestMessages:
 
     @pytest.mark.parametrize(
         ('number', 'seconds'),
-        [(5, [1, 2, 3, 4, 5, 6, 7]), (3, [1, 3, 5, 6, 7]), (2, [1, 5, 6, 7])],
+        [(5, [1, 2, 3, 4, 5, 6, 7]), (3, [1, 3, 5, 6, 7]), (2, [1, 5, 6, 7]), (1, [1, 5, 6, 7])],
     )
     def test_number_shows_what_was_published_without_a_subscription(self, number, seconds):
-        """Messages are numbered; the probe had no subscription from second 1.5 to 4.5."""
+        """Each publisher numbers its messages; no subscription exists from second 1.5 to 4.5."""
         later = [{**message(5 + more), 'number': number + more} for more in range(3)]
         heard = [{**message(1), 'number': 1}, *later]
         run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 1_500_000_000}, *heard)
@@ -166,6 +166,17 @@ class TestMessages:
         found = rhythm.with_unheard(run, heard)
 
         assert [one['clock_ns'] / 1e9 for one in found] == seconds
+
+    def test_greetings_before_the_first_subscription_are_as_far_apart_as_the_next_ones(self):
+        """A later change of the rhythm does not move what the probe has not heard."""
+        clocks = [*range(3, 10), *range(11, 60, 2)]
+        found = [{**message(clock), 'number': number} for number, clock in enumerate(clocks, 3)]
+        run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 0}, *found)
+
+        whole = rhythm.with_unheard(run, found)
+
+        assert [one['clock_ns'] / 1e9 for one in whole[:4]] == [1, 2, 3, 4]
+        assert rhythm.why_other_rhythm(run, whole, 1.0, 60.0).cause_id == 'changes_rhythm'
 
     @pytest.mark.parametrize(
         ('code', 'because_unheard'),

@@ -198,6 +198,7 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
     [
         ('rclpy.spin(node)', 'exited_early', 'was running'),
         ('while rclpy.ok():\n    rclpy.spin_once(node)', 'exited_early', 'was running'),
+        ('rclpy.spin_until_future_complete(node, done)', 'spins_until', 'was running'),
         ('try:\n    rclpy.spin(n)\nexcept Exception as e:\n    print(e)', 'swallowed', 'catches'),
         (
             'try:\n    rclpy.spin(n)\nexcept ExternalShutdownException:\n    ...',
