@@ -171,9 +171,21 @@ UNIT_SLIPS = (
         takes_for(lambda unit: next((one for one in UNITS if unit[:1].upper() == one[0]), unit)),
     ),
     WHY.slip(
-        'part_of_a_unit', takes_for(lambda unit: next((one for one in UNITS if unit in one), unit))
+        'part_of_a_unit',
+        takes_for(lambda unit: next((one for one in UNITS if unit in one), unit)),
+        takes_for(lambda unit: 'Celsius' if unit in 'Celsius' else unit),
+        takes_for(lambda unit: 'Fahrenheit' if unit in 'Fahrenheit' else unit),
+    ),
+    WHY.slip(
+        'empty_unit',
+        takes_for(lambda unit: unit or 'Celsius'),
+        takes_for(lambda unit: unit or 'Fahrenheit'),
     ),
     WHY.slip('any_case', takes_for(str.capitalize)),
+    WHY.slip(
+        'other_is_fahrenheit',
+        takes_for(lambda unit: 'Celsius' if unit == 'Celsius' else 'Fahrenheit'),
+    ),
     WHY.slip(
         'unknown_unit',
         warns(celsius=lambda one: one.value if one.celsius is None else one.celsius),

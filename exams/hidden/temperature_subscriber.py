@@ -5,7 +5,7 @@ import math
 import random
 
 from autograder.exam.inputs import generator
-from exams.readings import Reading, THRESHOLD_C
+from exams.readings import Reading, THRESHOLD_C, UNITS
 from exams.visible.temperature_subscriber import build
 
 UNKNOWN, UNIT = 'a reading in an unknown unit', 'Fahrenheit'
@@ -99,12 +99,14 @@ exam = build(
         # A node whose conversion lacks brackets warns only about the first of these, and one that
         # converts nothing about both.
         *(Reading(one, 'a cold reading in °F', UNIT) for one in (60.5, 40.25)),
-        # A node that does not return after an unknown unit judges this reading again; a node that
-        # compares values in any unit does not warn about the cool reading in an unknown unit.  Its
-        # stamp is older than all others: the specification has no rule about stamps.
+        # A node that does not return after an unknown unit judges this reading again.  Its stamp
+        # is older than the others: the specification has no rule about stamps.
         replace(hot(_draw), behind_s=20),
         *_units,
-        replace(cool(_draw), kind=UNKNOWN, unit='Kelvin'),
+        *(Reading(round(_draw.uniform(200.0, 400.0), 2), UNKNOWN, one[1:]) for one in UNITS),
+        # A node that takes unknown units for Celsius warns about one of these; one that takes them
+        # for Fahrenheit warns about none.
+        *(replace(one(_draw), kind=UNKNOWN, unit='Kelvin') for one in (hot, cool)),
         _nan,
         Reading(math.inf, 'a reading of infinity'),
         hot(_draw),
