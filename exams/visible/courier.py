@@ -11,6 +11,8 @@ after both have left: a node that only checks whether any subscription exists de
 After a second start, two subscriptions join in the same moment.
 """
 
+from collections.abc import Sequence
+
 from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, Join, Leave, Look, Mark, Step
 from autograder.exam.words import Causes
@@ -117,7 +119,7 @@ def delivers_once(run: Run) -> None:
         observed = f'messages for the third subscription: {third}'
     elif counts == [1, 0, 0]:
         expected, observed = 'a node that keeps running after the delivery', GONE
-    why = (why_silent(run) or _why_again(first, second)) if lives else _why_gone(run)
+    why = (why_silent(run) or _why_again(run, counts)) if lives else _why_gone(run)
     raise Failed(expected=expected, observed=observed, why=why)
 
 
@@ -130,20 +132,26 @@ def delivers_to_two_at_once(run: Run) -> None:
         raise WHY.failed('one_for_each')
 
 
-def _why_again(first: int, second: int) -> Cause:
-    """Explain further parcels, given how many the first two subscriptions received."""
+def _why_again(run: Run, counts: Sequence[int]) -> Cause:
+    """Explain further parcels, given how many each of the three subscriptions received."""
+    first, *later = counts
+    if not any(later) and len({one['clock_ns'] for one in parcels(run, 'first')}) == 1:
+        return WHY['several_at_once']
     # The matched callback does not run again while only the first subscription is connected.
-    again = first > 2 or (first > 1 and not second)
+    again = first > 2 or (first > 1 and not later[0])
     return WHY.of('delivers_again', closer=[WHY['forgets_delivery']] if again else ())
 
 
-def build(alone_s: float, between_s: float = 1.0, others: int = 0) -> Exam:
+def build(
+    alone_s: float, between_s: float = 1.0, others: int = 0, after_s: float = AFTER_S
+) -> Exam:
     """
     Return the exam: three subscriptions join in turn, the third after the first two have left.
 
     :param alone_s: time before the first subscription joins [s]
     :param between_s: additional time between the delivery and the second subscription [s]
     :param others: number of further subscriptions, which join in turn after the third
+    :param after_s: time after the last subscription [s]
     """
     steps: tuple[Step, ...] = (
         Advance(alone_s),
@@ -154,7 +162,7 @@ def build(alone_s: float, between_s: float = 1.0, others: int = 0) -> Exam:
         *(Mark('third'), Leave('first'), Leave('second'), Advance(ALONE_S)),
         Join('third', TOPIC, TYPE),
         *(Join(f'other_{number}', TOPIC, TYPE) for number in range(others)),
-        Advance(AFTER_S),
+        Advance(after_s),
     )
     crowd = (Advance(ALONE_S), Join('crowd', TOPIC, TYPE, copies=2), Advance(AFTER_S))
     again = Scenario(file='courier.py', steps=crowd)

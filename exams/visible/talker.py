@@ -7,7 +7,7 @@ and volatile, which is the default with depth 10.  The node is started in a name
 
 The probe subscribes to ``chatter`` in the namespace, after a while, and to the absolute
 ``/chatter``, so that an absolute name fails its own check and no others.  The second
-start is in the root namespace.
+start is in the root namespace; there, the subscription leaves and returns.
 """
 
 import re
@@ -15,8 +15,9 @@ import re
 from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, get_parameters, Join, unheard
 from autograder.exam.words import Causes
-from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import counted, require_messages, require_qos
+from autograder.judging.causes.ended import why_it_ended, why_silent
+from autograder.judging.causes.text_table import cause_of
+from autograder.judging.checks import counted, require_messages, require_qos, SECOND
 from autograder.judging.claims import node
 from autograder.judging.numbers import why_not_numbered
 from autograder.judging.rhythm import just_before, require_period, seconds_between, with_unheard
@@ -28,7 +29,8 @@ ABSOLUTE = '/chatter'
 PERIOD_S = 0.5
 GUEST_S = 0.2  # duration of a join, or of a call [s]
 UNHEARD_S = 1.2  # at the start, without a subscription [s]
-ROOT_S = 5.0  # in the root namespace: enough for a node that publishes too rarely [s]
+ROOT_S = 5.0  # in the root namespace, twice: enough for a node that publishes too rarely [s]
+STOPS_S = 1.0  # from the last message to the moment at which all subscriptions leave [s]
 WAITS_S = 1.0  # additional time if there is no publisher, or no service of that name [s]
 GREETING = re.compile(r'hello (\d{1,9})')
 EXERCISE = 'Exercise 1: a talker that can move'
@@ -59,9 +61,17 @@ def moves_with_its_namespace(run: Run) -> None:
 
 
 def speaks_in_the_root(run: Run) -> None:
-    """Without a namespace, its topic is /chatter."""
+    """Without a namespace, its topic is /chatter; it speaks on when all subscriptions leave."""
     found = run.recording.messages(ABSOLUTE)
     require_messages(run, found, 1, f'messages on {ABSOLUTE}', topic=ABSOLUTE)
+    last_ns = found[-1]['clock_ns']
+    # If a node has stopped before, a different check reports it.
+    if any(0 <= one['clock_ns'] - last_ns < STOPS_S * SECOND for one in run.recording.of('left')):
+        raise Failed(
+            expected='messages for a subscription that connects after all others have left',
+            observed='no such message',
+            why=why_it_ended(run) or cause_of('stops', what='message'),
+        )
 
 
 def speaks_twice_a_second(run: Run) -> None:
@@ -123,7 +133,8 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
     guest = Join('guest', topic, TYPE, listen_s=0.0)
     call = get_parameters(name, patience_s=GUEST_S)
     visits = (guest, call) if comes else ()
-    root = Scenario(file='talker.py', watch={ABSOLUTE: TYPE}, steps=(Advance(ROOT_S),))
+    leaves = (Advance(ROOT_S), *unheard(ABSOLUTE, UNHEARD_S), Advance(ROOT_S))
+    root = Scenario(file='talker.py', watch={ABSOLUTE: TYPE}, steps=leaves)
     exam = Exam(
         'talker',
         title='The talker',
