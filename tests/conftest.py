@@ -1,4 +1,4 @@
-"""Give all tests repeatable points, and programs that can be interrupted."""
+"""Make points repeatable, programs interruptible and garbage collection quick, for all tests."""
 
 import gc
 import os

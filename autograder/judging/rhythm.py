@@ -121,7 +121,7 @@ class Unheard(NamedTuple):
 
     @property
     def missed(self) -> int:
-        """Return how many messages nobody received; 0 if another publisher counts anew."""
+        """Return how many messages nobody received; 0 if another publisher counts from 1."""
         before = self.before['number'] if self.before else 0
         return max(0, int(self.after['number']) - 1 - before)
 
