@@ -121,9 +121,8 @@ class Unheard(NamedTuple):
 
     @property
     def missed(self) -> int:
-        """Return how many messages nobody received; 0 if another publisher counts from 1."""
-        before = self.before['number'] if self.before else 0
-        return max(0, int(self.after['number']) - 1 - before)
+        """Return how many messages nobody received."""
+        return int(self.after['number']) - 1 - (self.before['number'] if self.before else 0)
 
 
 def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
@@ -152,7 +151,11 @@ def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
 
 
 def _unheard(run: Run, found: Sequence[Event]) -> list[Unheard]:
-    """Return the times without a subscription that a message follows."""
+    """
+    Return the times without a subscription that a message of the same publisher follows.
+
+    Each publisher numbers its messages from 1, so a number that does not grow shows nothing.
+    """
     topic = found[0].get('topic') if found else None
     heard, times = run.recording.messages(topic) if topic else [], []
     for left in run.recording.of('left', name=topic):
@@ -161,7 +164,7 @@ def _unheard(run: Run, found: Sequence[Event]) -> list[Unheard]:
         times += [
             Unheard(before, after, left['clock_ns'])
             for after in heard[count : count + 1]
-            if after in found
+            if after in found and not (before and after['number'] <= before['number'])
         ]
     return times
 

@@ -196,6 +196,16 @@ class TestMessages:
 
         assert (failed.value.why.cause_id == 'only_if_heard') == because_unheard
 
+    def test_new_publisher_is_no_silence(self):
+        """Its numbers do not show how many messages were published without a subscription."""
+        found = [{**message(clock), 'number': 1} for clock in (1, 2, 3, 7, 8, 9)]
+        run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 3_500_000_000}, *found)
+
+        with pytest.raises(Failed) as failed:
+            rhythm.require_period(run, rhythm.with_unheard(run, found), 1.0, 9.0)
+
+        assert failed.value.why is None or failed.value.why.cause_id != 'only_if_heard'
+
     @pytest.mark.parametrize('answered', [True, False])
     def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):
         code = 'node.create_timer(1.0, tick)\ndef tick():\n    time.sleep(2.0)\n'
