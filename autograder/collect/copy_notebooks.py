@@ -14,15 +14,15 @@ from pathlib import Path
 
 from autograder.classroom.collected import read_collected, save_collected, Work
 from autograder.classroom.people import extensions
+from autograder.collect import deliveries
+from autograder.collect.course import Course
 from autograder.collect.duplicate_names import check_names
 from autograder.collect.owners import check_owners
 from autograder.collect.platforms import EXCHANGE
 from autograder.collect.recognise import find_deliveries, FOLDER
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
-from autograder.collect.source import deliveries
-from autograder.collect.source.course import Course
-from autograder.collect.source.times import read_time
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
+from autograder.collect.times import read_time
 from autograder.files import write_atomically
 from autograder.layout import Layout
 from autograder.submission.inbox import SECRET, STAMP

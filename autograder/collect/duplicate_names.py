@@ -13,7 +13,7 @@ Two people with the same name who never hand in the same assignment are not dete
 from collections.abc import Sequence
 
 from autograder.classroom.collected import Work
-from autograder.collect.source.deliveries import Delivery
+from autograder.collect.deliveries import Delivery
 
 
 def check_names(deliveries: Sequence[Delivery], before: Sequence[Work]) -> list[str]:

@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 import pwd
 
-from autograder.collect.source.deliveries import Delivery
+from autograder.collect.deliveries import Delivery
 from autograder.errors import GraderError
 from autograder.gradebook.database import load_config
 from autograder.layout import Layout

@@ -34,9 +34,9 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from autograder.collect.source.deliveries import DeliveredFile, Delivery, Level, System
-from autograder.collect.source.times import read_time
+from autograder.collect.deliveries import DeliveredFile, Delivery, Level, System
 from autograder.collect.table import Row, unclaimed
+from autograder.collect.times import read_time
 from autograder.submission.tree import File, UnreadableError, UnusableUploadError
 
 _AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')

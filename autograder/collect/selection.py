@@ -21,10 +21,10 @@ from datetime import datetime
 from statistics import multimode
 from typing import NamedTuple
 
-from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Delivery
-from autograder.collect.source.times import late_notes, read_time
+from autograder.collect.course import Course
+from autograder.collect.deliveries import Delivery
 from autograder.collect.table import LEFT, Row, TAKEN
+from autograder.collect.times import late_notes, read_time
 from autograder.results import first_of
 from autograder.submission.inbox import STAMP
 from autograder.submission.tree import File, UnreadableError, UnusableUploadError

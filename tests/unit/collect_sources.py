@@ -8,8 +8,8 @@ import zipfile
 import pytest
 
 from autograder.collect import copy_notebooks as collecting
+from autograder.collect import deliveries
 from autograder.collect.recognise import recognise_platform
-from autograder.collect.source import deliveries
 from autograder.layout import Layout
 from autograder.submission.tree import opened
 

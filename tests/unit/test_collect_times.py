@@ -20,8 +20,8 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
-from autograder.collect.source.times import due_dates, late_notes, read_time
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
+from autograder.collect.times import due_dates, late_notes, read_time
 from autograder.commands import OK
 from autograder.layout import Layout
 from autograder.submission import inbox

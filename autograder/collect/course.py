@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 import re
 
-from autograder.collect.source.times import due_dates, DueDates
+from autograder.collect.times import due_dates, DueDates
 from autograder.layout import Layout
 from autograder.submission.notebook import grade_ids, read_notebook, read_release
 
