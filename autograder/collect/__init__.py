@@ -5,8 +5,7 @@ Files are written atomically, and the source is never changed.  A table shows fo
 the source whether it was collected, or why not.  Running the same command again changes nothing.
 
 ``deliveries`` lists the files, ``recognise`` finds the platform (``platforms``) and who handed in
-what, ``selection`` selects the notebooks, and ``copy_notebooks`` copies them.  A student's id
-depends only on the name in the source.  If two people have the same name, ``duplicate_names``
-refuses their work.  In nbgrader's exchange, any user can hand in under any name, so ``owners``
-compares the student with the owner of the files.
+what, ``owners`` refuses work of two people with one name and of other users, ``selection`` selects
+the notebooks, and ``copy_notebooks`` copies them.  A student's id depends only on the name in the
+source.
 """

@@ -16,8 +16,7 @@ from autograder.classroom.collected import read_collected, save_collected, Work
 from autograder.classroom.people import extensions
 from autograder.collect import deliveries
 from autograder.collect.course import Course
-from autograder.collect.duplicate_names import check_names
-from autograder.collect.owners import check_owners
+from autograder.collect.owners import check_names, check_owners
 from autograder.collect.platforms import EXCHANGE
 from autograder.collect.recognise import find_deliveries, FOLDER
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks

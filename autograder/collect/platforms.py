@@ -11,8 +11,8 @@ is not collected.  Source: canvas-lms, lib/content_zipper.rb, which removes numb
 underscores from names.
 
 Moodle names folders ``NAME_NUMBER_assignsubmission_file[_]``.  The number differs in each
-assignment, so the student id is the name; ``duplicate_names`` detects two people with the same
-name. With "Download submissions in folders" off, files are named
+assignment, so the student id is the name; ``owners`` detects two people with the same name.
+With "Download submissions in folders" off, files are named
 ``NAME_NUMBER_assignsubmission_file_FILE``.  For text typed into Moodle, the names contain
 ``onlinetext`` instead of ``file``.  Source: moodle, mod/assign/classes/downloader.php, which
 removes underscores from names.
