@@ -26,7 +26,7 @@ from autograder.classroom.collected import (
 from autograder.classroom.tables import parse_table, read_bytes
 from autograder.errors import GraderError
 from autograder.layout import Layout
-from autograder.submission.ids import named_id, student_id
+from autograder.submission.inbox import named_id, student_id
 
 MAX_HOURS = 24 * 366
 

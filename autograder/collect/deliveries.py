@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from autograder.collect.table import Row
-from autograder.submission.ids import student_id
+from autograder.submission.inbox import student_id
 from autograder.submission.notebook import MAX_BYTES
 from autograder.submission.tree import Bounds, File, Parts, Tree
 

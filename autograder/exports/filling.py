@@ -7,7 +7,7 @@ import re
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number
 from autograder.exports.marks import Mark
-from autograder.submission.ids import student_id
+from autograder.submission.inbox import student_id
 
 
 @dataclass

@@ -28,7 +28,7 @@ from autograder.classroom.statistics import class_numbers
 from autograder.commands.stats import stats_text
 from autograder.errors import GraderError
 from autograder.exports.marks import AUTOMATIC, marks, MISSING
-from autograder.submission.ids import student_id
+from autograder.submission.inbox import student_id
 
 
 @pytest.fixture

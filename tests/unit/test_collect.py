@@ -34,8 +34,7 @@ from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import FOR_REVIEW, OK
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
-from autograder.submission.ids import student_id
-from autograder.submission.inbox import discover, is_student_id
+from autograder.submission.inbox import discover, is_student_id, student_id
 from autograder.submission.tree import opened, UnusableUploadError
 
 

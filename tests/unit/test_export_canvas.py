@@ -14,7 +14,7 @@ import pytest
 from autograder.errors import GraderError
 from autograder.exports import canvas
 from autograder.exports.marks import BY_HAND, Mark, REVIEW
-from autograder.submission.ids import student_id
+from autograder.submission.inbox import student_id
 
 HEADER = 'Student,ID,SIS User ID,SIS Login ID,Section,Notes,Quiz 1 (101),Talker (102),Final Score'
 POLICY = ',,,,,,,Manual Posting,'

@@ -8,7 +8,7 @@ from autograder.classroom.people import read_people, student_named
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import TAKEN, UNCHANGED
 from autograder.errors import GraderError
-from autograder.submission.ids import student_id
+from autograder.submission.inbox import student_id
 
 CANVAS = {'exampleann_1001_55001_talk.ipynb': GOOD, 'berg_1002_55002_essay.pdf': b'%PDF'}
 
