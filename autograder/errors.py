@@ -1,7 +1,7 @@
 """
 Define the exceptions for faults of the grader: :class:`GraderError` and its subclasses.
 
-Further subclasses are in ``submission/tree.py`` and ``grading/cluster.py``.
+Further subclasses are in ``submission/reading.py`` and ``grading/cluster.py``.
 
 A mistake in a *submission* never leaves this package as an exception: it is a
 :class:`~autograder.results.Problem` or a failed check.

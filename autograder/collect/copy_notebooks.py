@@ -25,8 +25,7 @@ from autograder.collect.times import read_time
 from autograder.files import write_atomically
 from autograder.layout import Layout
 from autograder.submission.inbox import SECRET, STAMP
-from autograder.submission.reading import read_file
-from autograder.submission.tree import opened, Tree, UnreadableError
+from autograder.submission.reading import opened, read_file, Tree, UnreadableError
 
 
 def collect(

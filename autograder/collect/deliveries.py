@@ -14,7 +14,7 @@ from typing import NamedTuple
 from autograder.collect.table import Row
 from autograder.submission.inbox import student_id
 from autograder.submission.notebook import MAX_BYTES
-from autograder.submission.tree import Bounds, File, Parts, Tree
+from autograder.submission.reading import Bounds, File, Parts, Tree
 
 REPOSITORY = '.git'
 NOISE = {'__MACOSX', '.DS_Store', '.ipynb_checkpoints', REPOSITORY, '.venv', '__pycache__'}

@@ -37,7 +37,7 @@ import yaml
 from autograder.collect.deliveries import DeliveredFile, Delivery, Level, System
 from autograder.collect.table import Row, unclaimed
 from autograder.collect.times import read_time
-from autograder.submission.tree import File, UnreadableError, UnusableUploadError
+from autograder.submission.reading import File, UnreadableError, UnusableUploadError
 
 _AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')
 _NUMBER = re.compile(r'[1-9][0-9]*')

@@ -23,7 +23,7 @@ from autograder.collect.table import Row, unclaimed
 from autograder.explaining.feedback import printable
 from autograder.results import first_of
 from autograder.submission.inbox import STAMP
-from autograder.submission.tree import Tree, UnreadableError, UnusableUploadError
+from autograder.submission.reading import Tree, UnreadableError, UnusableUploadError
 
 FOLDER, EXPECTED = 'folder', 'one folder or one notebook per student'
 NOTEBOOK = '.ipynb'

@@ -27,7 +27,7 @@ from autograder.collect.table import LEFT, Row, TAKEN
 from autograder.collect.times import late_notes, read_time
 from autograder.results import first_of
 from autograder.submission.inbox import STAMP
-from autograder.submission.tree import File, UnreadableError, UnusableUploadError
+from autograder.submission.reading import File, UnreadableError, UnusableUploadError
 
 MOST_NOTEBOOKS = 50
 """Maximum number of notebooks read from one delivery; a clone of the course has about twelve."""

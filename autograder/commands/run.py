@@ -37,7 +37,7 @@ from autograder.submission.package import (
     read_upload,
     with_node_files,
 )
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.reading import UnusableUploadError
 
 
 @takes(

@@ -1,10 +1,9 @@
 """
 Read the files of a ROS package: a folder on disk, or a submitted script, folder or zip.
 
-The result is the text of each file by its relative path.  A zip is never unpacked on the grader's
-disk (:mod:`autograder.submission.tree`).  No link is followed: a submission with a link, a special
-file or an unsafe path is refused, because without the linked file the grader would judge a
-different program.
+The result is the text of each file by its relative path (:mod:`autograder.submission.reading`).  A
+submission with a link, a special file or an unsafe path is refused, because without the linked
+file the grader would judge a different program.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,8 +13,13 @@ import re
 
 from autograder.exam.exam import Exam
 from autograder.results import ExamResult, first_of
-from autograder.submission.reading import read_file
-from autograder.submission.tree import Bounds, opened, UnreadableError, UnusableUploadError
+from autograder.submission.reading import (
+    Bounds,
+    opened,
+    read_file,
+    UnreadableError,
+    UnusableUploadError,
+)
 
 NOTEBOOK_KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
 """Suffixes of the files that cells of a lesson save."""

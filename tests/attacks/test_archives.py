@@ -16,7 +16,7 @@ import pytest
 
 from autograder.submission import package
 from autograder.submission.package import read_upload
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.reading import UnusableUploadError
 from tests.attacks.archives import KEPT, pack, PACKAGE, REFUSED
 from tests.attacks.corpus import CANARY
 

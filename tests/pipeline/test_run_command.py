@@ -15,7 +15,7 @@ from autograder.errors import GraderError
 from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.reading import UnusableUploadError
 
 ROOT = Path(__file__).resolve().parents[2]
 LAYOUT = Layout.here()

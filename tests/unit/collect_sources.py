@@ -11,7 +11,7 @@ from autograder.collect import copy_notebooks as collecting
 from autograder.collect import deliveries
 from autograder.collect.recognise import recognise_platform
 from autograder.layout import Layout
-from autograder.submission.tree import opened
+from autograder.submission.reading import opened
 
 collect = partial(collecting.collect, trust_names=True)
 """All deliveries in these exchanges belong to the user who runs the tests."""

@@ -35,7 +35,7 @@ from autograder.commands import FOR_REVIEW, OK
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.inbox import discover, is_student_id, student_id
-from autograder.submission.tree import opened, UnusableUploadError
+from autograder.submission.reading import opened, UnusableUploadError
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from collect_sources import (
 import pytest
 
 from autograder.collect.table import LEFT, TAKEN
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.reading import UnusableUploadError
 
 
 class TestFolders:

@@ -24,7 +24,7 @@ import pytest
 
 from autograder.collect import selection
 from autograder.collect.table import LEFT, TAKEN
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.reading import UnusableUploadError
 
 STRANGE = 'it contains no cell of the assignment'
 

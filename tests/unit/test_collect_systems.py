@@ -23,7 +23,7 @@ import pytest
 
 from autograder.classroom.collected import read_not_collected
 from autograder.collect.table import LEFT, TAKEN
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.reading import UnusableUploadError
 
 LATE = 'late, according to Canvas; the time is unknown, so a late policy cannot apply'
 

@@ -16,7 +16,7 @@ from autograder.submission.package import (
     read_upload,
     with_node_files,
 )
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.reading import UnusableUploadError
 
 
 def zip_of(path, entries):
