@@ -39,7 +39,7 @@ def collect(
     trust_names: bool = False,
 ) -> list[Row]:
     """
-    Collect the work of a class.
+    Collect the work of a class, and return the table.
 
     :param source: a folder or a zip file
     :param to: folder that receives ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``
@@ -48,7 +48,6 @@ def collect(
     :param write: False to only report what would be done
     :param prefix: the prefix to remove from the names of students' folders
     :param trust_names: whether to collect deliveries of an exchange that other users own
-    :returns: the table
     :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` or the file
         of saved work is wrong
     """
@@ -133,12 +132,7 @@ def _take(one: Chosen, course: Course, to: Path, write: bool) -> Row:
 
 
 def _copy_secret(one: Chosen, to: Path) -> None:
-    """
-    Copy the file from which nbgrader derives the name of the student's feedback in the exchange.
-
-    :raises OSError: if the copy cannot be written
-    :raises UnreadableError: if the file cannot be read
-    """
+    """Copy the file from which nbgrader derives the name of the feedback in the exchange."""
     for delivered in one.notebook.delivery.files:
         if delivered.file.path == SECRET:
             path = to / one.row.student / one.row.assignment / SECRET
@@ -149,8 +143,6 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
     """
     Write a notebook and its time of delivery, unless an equal or newer copy exists.
 
-    :param file_name: file name of the assignment's notebook
-    :param to: the folder of the class
     :param write: False to only report what would be done
     :returns: the value of ``Row.done``, and a note for the table
     :raises OSError: if the copy cannot be written

@@ -60,12 +60,7 @@ class Course:
         return self.of_file(parts[-1]) or (folders[-1] if folders else '')
 
     def beginning(self, name: str) -> str:
-        """
-        Return the assignment at the beginning of a repository's name, ``ASSIGNMENT-STUDENT``.
-
-        :returns: the prefix as written in the name, with the separator; empty if the name does
-            not begin with an assignment
-        """
+        """Return the assignment and separator with which a repository's name begins, or ''."""
         forms = (form for one in self.assignments for form in (one, _NUMBER.sub('', one)))
         fitting = (one for one in forms if _plain(name).startswith(_plain(f'{one}-')))
         begins = (name[: len(one) + 1] for one in fitting)

@@ -59,9 +59,8 @@ workspace of one student could exceed the limits for the whole class.
 
 class DeliveredFile(NamedTuple):
     """
-    One delivered file.
+    One delivered file, with the path and name that the student chose.
 
-    :param file: the file, with the path and name that the student chose
     :param place: name of the entry of the source that contains the file
     :param turn: number of the attempt; of two files with the same name, the newer has the larger
         number
@@ -80,7 +79,6 @@ class Delivery:
     :param student: the student as named in the source; :attr:`id` is the student id
     :param called: the whole name in the source, if ``student`` is a part of it
     :param number: the student's number in Moodle, which differs in each assignment
-    :param files: the delivered files
     :param place: name of the entry of the source, if there are no files
     :param person: the student's name, if the id is not a name
     :param when: time of delivery in UTC, None if it is unknown
@@ -172,11 +170,7 @@ class System(NamedTuple):
 
 
 def level(tree: Tree, *base: str) -> Level:
-    """
-    Return the entries of a folder in a source.
-
-    :param base: path of the folder, name by name; empty for the source itself
-    """
+    """Return the entries of the folder ``base`` in a source; empty for the source itself."""
     depth = len(base)
 
     def name_in(parts: Parts) -> str:

@@ -30,12 +30,7 @@ ADVICE = 'if you copied it there yourself, use --trust-names (docs/exchange.md)'
 
 
 def check_names(deliveries: Sequence[Delivery], before: Sequence[Work]) -> list[str]:
-    """
-    Refuse deliveries under a name that two people in Moodle share, or may share.
-
-    :param before: what earlier collections have saved
-    :returns: the student ids that two people share in this source
-    """
+    """Refuse work under a name that two people share, or may share; return the shared ids."""
     here: dict[str, set[str]] = {}
     for one in deliveries:
         if one.number and one.id:
@@ -72,7 +67,6 @@ def owner_doubt(student: str, uids: Collection[int], owners: Mapping[str, str]) 
     """
     Return why a delivery may not be the student's, or an empty string.
 
-    :param student: the student named by the folder
     :param uids: owners of the folder and all files in it; empty if they are not known
     :param owners: name of the system user by student id, where the two differ
     """
@@ -94,11 +88,7 @@ def user_name(uid: int) -> str:
 
 
 def check_owners(deliveries: Iterable[Delivery], layout: Layout) -> None:
-    """
-    Refuse the deliveries of an exchange that another user owns, as nbgrader's settings require.
-
-    :raises GraderError: if the settings cannot be used
-    """
+    """Refuse deliveries that another user owns; raise a GraderError for unusable settings."""
     owners: Mapping[str, str] = {}
     if (layout.root / 'nbgrader_config.py').is_file():
         settings = load_config(layout).ExchangeCollect

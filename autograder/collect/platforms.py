@@ -106,12 +106,7 @@ def _fitting(
     known: Collection[Reading],
     all_ways: Iterable[Sequence[Reading]],
 ) -> list[Reading]:
-    """
-    Return the interpretations of a file name that are consistent with the other files.
-
-    :param known: interpretations of all file names that are not ambiguous
-    :param all_ways: the interpretations of each file name
-    """
+    """Return the interpretations of a file name that are consistent with the other files."""
     names = {one.user: one.name for one in known}
     anonymous = {one.user.startswith('anon_') for one in known}
     near = [one.attachment for one in known if one.attachment]
@@ -131,11 +126,7 @@ def _fitting(
 def _of_user(
     level: Level, user: str, entries: Mapping[str, Reading], certain: bool
 ) -> Iterator[Delivery]:
-    """
-    Yield each typed answer of a user, and all files as one delivery, newest first.
-
-    :param certain: whether the file names alone show that the files belong to the user
-    """
+    """Yield each typed answer of a user, and all files as one delivery, newest first."""
     late = 'Canvas' if any(one.late for one in entries.values()) else ''
     newest_first = sorted(entries.items(), key=lambda named: named[1].attachment, reverse=True)
     notes = () if certain else (f'user {user}, according to the other files',)
@@ -180,11 +171,7 @@ _GRADESCOPE = re.compile(rf'submission_\d+/|{re.escape(METADATA)}')
 
 
 def _read_gradescope(level: Level) -> Iterator[Delivery | Row]:
-    """
-    Yield the submissions in the metadata, and a row for each folder that is not listed there.
-
-    :raises UnusableUploadError: if the metadata cannot be read
-    """
+    """Yield the submissions in the metadata, and a row for each folder that it does not list."""
     described = _metadata(level[METADATA].files[0])
     for folder, facts in described.items():
         when, note = read_time(_field(facts, 'created_at'))

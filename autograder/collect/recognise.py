@@ -153,11 +153,7 @@ def _are_students(files: Sequence[Entry], course: Course) -> bool:
 
 
 def _delivery(entry: Entry, course: Course, prefix: str) -> Delivery | Row:
-    """
-    Return the delivery of a student, or a row if the entry is not a student's.
-
-    A note says which prefix was removed from the name.
-    """
+    """Return the delivery of a student, or a row if the entry is not a student's."""
     name = entry.name
     if not entry.folder and not name.lower().endswith(NOTEBOOK):
         return unclaimed(name, "neither a notebook nor a student's folder")

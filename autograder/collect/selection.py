@@ -40,8 +40,6 @@ class NotebookInfo:
     """
     Facts about a notebook, without its content: the notebooks of a class may not fit in memory.
 
-    :param delivery: the delivery that contains the notebook
-    :param file: the file, with its place and turn in the delivery
     :param shared: number of grade ids in the notebook, by assignment
     :param named: the assignment that the name of the file or folder suggests
     :param why: why the notebook was not read, empty if it was
@@ -136,8 +134,6 @@ def most_common_assignment(
 
     Each student counts once per assignment, even with several notebooks.
 
-    :param notebooks: the notebooks of each student
-    :param name: name of the source, for error messages
     :returns: the assignment, empty if there is no notebook at all
     :raises UnusableUploadError: if no notebook shows an assignment, or if two assignments are
         equally frequent
@@ -160,7 +156,6 @@ def choose(
     """
     Select the notebooks to collect, one per student and assignment.
 
-    :param deliveries: the deliveries, each with its notebooks from :func:`read_notebooks`
     :param single: whether the source is for one assignment, so that notebooks of others are
         mistakes
     :returns: the selected notebooks, and a row for each entry that was not, or only partly,
@@ -288,12 +283,7 @@ def _others(
     reasons: Mapping[NotebookInfo, str],
     single: bool,
 ) -> Iterator[Row]:
-    """
-    Yield one row for every entry that was not, or only partly, collected.
-
-    :param mine: the selected notebooks of the student, by assignment
-    :param reasons: known reasons why notebooks were not selected
-    """
+    """Yield one row for every entry that was not, or only partly, collected."""
     goal = delivery.assignment
     taken = {one.row.place for one in mine.values() if one.notebook.delivery is delivery}
     for place in delivery.places:
@@ -318,11 +308,7 @@ def _others(
 
 
 def _why_not(one: NotebookInfo, chosen: bool, goal: str) -> str:
-    """
-    Return why a notebook was not selected for any assignment.
-
-    :param chosen: whether another notebook of the student was selected
-    """
+    """Return why a notebook was not selected; ``chosen`` if another one of the student was."""
     path, about = one.file.path[:80], goal or one.named
     if one.why:
         return f'{path}: {one.why}'

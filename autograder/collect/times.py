@@ -48,13 +48,7 @@ def read_time(value: object) -> tuple[datetime | None, str]:
 
 
 def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[str, ...]:
-    """
-    Return notes about whether work is late.
-
-    :param late: name of the platform that marks the work as late, else empty
-    :param when: time of delivery, if known
-    :param due: the due date, if known
-    """
+    """Return notes about late work; ``late`` names the platform that marks the work as late."""
     if when and due and when > due:
         minutes = int((when - due).total_seconds()) // 60
         parts = ((minutes // 1440, 'd'), (minutes // 60 % 24, 'h'), (minutes % 60, 'min'))
@@ -67,10 +61,8 @@ def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[
 @dataclass(frozen=True)
 class DueDates:
     """
-    Due dates in UTC, with the extensions of individual students.
+    Due dates in UTC by assignment, and extra time by student and assignment.
 
-    :param dates: due date by assignment
-    :param extensions: extra time by student and assignment
     :param problem: why the gradebook could not be read, empty if it could
     """
 
@@ -97,9 +89,8 @@ def due_dates(layout: Layout) -> DueDates:
     """
     Read the due dates from the gradebook, without creating a gradebook.
 
-    Extra time comes from ``extensions.csv`` if it exists, else from the gradebook.
-
-    The database is queried directly, because nbgrader takes seconds to import.
+    Extra time comes from ``extensions.csv`` if it exists, else from the gradebook.  The database
+    is queried directly, because nbgrader takes seconds to import.
 
     :raises GraderError: if ``extensions.csv`` is wrong
     """
