@@ -26,7 +26,6 @@ def refuse_existing(paths: Iterable[Path], force: bool) -> None:
     """
     Check that files can be written without replacing existing files by mistake.
 
-    :param force: whether existing files may be replaced
     :raises GraderError: if a file exists and may not be replaced, or a path is a folder
     """
     for path in paths:
@@ -97,12 +96,7 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666, lasting: bool =
 
 
 def files_below(root: Path, part: str, left_out: AbstractSet[str]) -> Iterator[tuple[str, Path]]:
-    """
-    Yield a file or all files of a folder, each with its path relative to ``root``.
-
-    :param part: the file or the folder, relative to ``root``; symbolic links in it are left out
-    :param left_out: names of files and folders to leave out
-    """
+    """Yield a file or all files of a folder with their paths in ``root``, but no inner links."""
     start = root / part
     for path in start.rglob('*') if start.is_dir() else [start]:
         inside = path.relative_to(root)
@@ -117,11 +111,7 @@ def zip_content(path: Path) -> tuple[bytes, int]:
 
 
 def zip_bytes(files: Mapping[str, tuple[bytes, int]]) -> bytes:
-    """
-    Return the bytes of a zip file, which are the same for the same files on the same day.
-
-    :param files: content and permissions by name in the zip
-    """
+    """Return a zip of contents and permissions by name; on the same day, the same bytes."""
     made, today = io.BytesIO(), date.today()
     with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, (data, mode) in sorted(files.items()):

@@ -108,13 +108,7 @@ def _run(
     kind: type[_StopOnDatabaseError],
     **attributes: Any,
 ) -> None:
-    """
-    Run a command of nbgrader.
-
-    :param doing: what the command does, for messages
-    :param attributes: attributes of the command
-    :raises GraderError: with nbgrader's message, or if the database or the disk failed
-    """
+    """Run a command of nbgrader with these attributes; ``doing`` describes it in messages."""
     config.CourseDirectory.assignment_id = assignment
     with _logged(doing) as log, _share_engine():
         coursedir = CourseDirectory(config=config, log=log)

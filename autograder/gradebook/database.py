@@ -40,11 +40,7 @@ FILE_ADVICE = {
 
 
 def load_config(layout: Layout) -> Config:
-    """
-    Return the settings in the course's ``nbgrader_config.py``.
-
-    :raises GraderError: if the file is missing or raises an exception
-    """
+    """Return the settings in ``nbgrader_config.py``; raise a GraderError if they are unusable."""
     path = layout.root / 'nbgrader_config.py'
     if not path.is_file():
         raise GraderError(f'{path.name} is missing in {layout.root}.', 'Restore it from git.')
@@ -92,11 +88,7 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
 
 
 def refusal(layout: Layout, error: Exception | str) -> GraderError:
-    """
-    Return the error for an unusable gradebook, with its address, the problem and a remedy.
-
-    :param error: the failure of the database; only the first line of its message is used
-    """
+    """Return the error for an unusable gradebook: address, first line of the problem, remedy."""
     said = str(getattr(error, 'orig', None) or error).strip().partition('\n')[0].rstrip('.')
     path = gradebook_file(layout)
     if path is not None:
@@ -150,12 +142,7 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
 
 
 def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -> Sequence[Any]:
-    """
-    Return the rows of a query; none if the gradebook or a table does not exist yet.
-
-    :param table: the query returns no rows if this table does not exist
-    :param values: values of the statement's parameters
-    """
+    """Return the rows of a query; none if the gradebook or the table does not exist yet."""
     with connected(layout) as gradebook:
         if gradebook is None or not inspect(gradebook).has_table(table):
             return ()

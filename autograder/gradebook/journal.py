@@ -81,11 +81,7 @@ def make_gradebook(layout: Layout) -> None:
 
 
 def refuse_incomplete(layout: Layout) -> None:
-    """
-    Refuse a gradebook with a missing table, because nbgrader would create an empty table.
-
-    :raises GraderError: if tables are missing; the error names them
-    """
+    """Refuse a gradebook with a missing table, because nbgrader would create an empty one."""
     from nbgrader.api import Base
 
     with connected(layout) as gradebook:

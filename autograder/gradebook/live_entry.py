@@ -36,12 +36,7 @@ BATCH_SIZE = 10
 
 
 def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> dict[str, str]:
-    """
-    Return the marks that entering results would lower or clear.
-
-    :param graded: the results that are about to be entered
-    :returns: the change as text, such as ``ann 40 to 27``, by student
-    """
+    """Return marks that an entry would lower or clear, such as ``ann 40 to 27``, by student."""
     if not has_gradebook(layout):
         return {}  # Opening the gradebook would create it.
     from nbgrader.api import MissingEntry
@@ -119,8 +114,7 @@ class Guard:
     Prevent a command from lowering marks in the gradebook without permission.
 
     :param yes: whether marks may be lowered or cleared
-    :param lowered: the marks that are, or would be, lowered or cleared, as text by assignment and
-        student
+    :param lowered: the changes of :func:`lowered_marks`, by assignment and student
     """
 
     layout: Layout
@@ -187,11 +181,7 @@ class LiveEntry:
             self.works = False
 
     def finish(self) -> tuple[int, str]:
-        """
-        Enter the remaining submissions.
-
-        :returns: number of new submissions, and why some were not entered, empty if all were
-        """
+        """Enter the rest; return the number of new submissions, and why some were not entered."""
         try:
             self.waiting = self.journal.new(self.waiting)
             self._enter()

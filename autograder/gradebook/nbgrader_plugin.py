@@ -83,11 +83,7 @@ Step = tuple[NotebookNode, Resources]
 
 
 def safe_markdown(source: str) -> str:
-    """
-    Render a student's Markdown without scripts, event handlers or pictures from other sites.
-
-    Scripts would run with an instructor's rights.
-    """
+    """Render a student's Markdown without scripts, which would run with an instructor's rights."""
     attributes = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
     return str(bleach.clean(markdown2html(source), tags=_SAFE_TAGS, attributes=attributes))
 

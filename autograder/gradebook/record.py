@@ -160,12 +160,7 @@ def points_mismatches(notebook: Notebook, where: str, exams: Sequence[Exam]) -> 
 
 
 def refuse_unfit_points(layout: Layout, lesson: Lesson) -> None:
-    """
-    Refuse a lesson whose check cells and exams give different points.
-
-    :raises ExamInvalid: if there are such cells, in the solution or else in the release; the error
-        names each of them
-    """
+    """Raise an ExamInvalid that names each check cell whose points differ from its exam."""
     for folder, fix in (
         (layout.solutions, 'give the cell and the exam the same points, then make release'),
         (layout.notebooks, 'make release'),

@@ -34,11 +34,7 @@ class ClusterUnavailable(GraderError):
 
 
 class Cluster:
-    """
-    All workers of a scheduler, which run tasks; several threads may use them at the same time.
-
-    :param client: a connected client of ``distributed``
-    """
+    """All workers of a scheduler, which run tasks; several threads may use it at the same time."""
 
     def __init__(self, client: Any) -> None:
         """Count the workers' threads, each of which runs one task at a time."""
@@ -76,7 +72,6 @@ def cluster_engine(
     Yield an engine for graded runs on a cluster, and how many tasks can run at the same time.
 
     :param address: address of the scheduler, such as ``tcp://10.0.0.5:8786``
-    :param fresh: repeat all runs, even if recordings are stored
     :raises ClusterUnavailable: if the scheduler or a worker cannot be used, with the reason
     """
     from autograder.grading.examine import Engine
@@ -153,9 +148,8 @@ def about() -> bytes:
 
 def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
     """
-    Return the common isolation mode of all workers.
+    Return the common isolation mode of all workers, from the results of :func:`about`.
 
-    :param answers: the decoded results of :func:`about`, keyed by worker address
     :raises ClusterUnavailable: if hidden exams are not protected, or modes or versions differ
     """
     first = ''

@@ -43,7 +43,6 @@ def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') ->
 
     If the sandbox cannot hide files from programs, the engine uses the visible exams.
 
-    :param fresh: repeat all runs, even if recordings are stored
     :param allow_weak: see :func:`autograder.sandboxes.choose.strongest`
     :raises SandboxUnavailable: if no accepted isolation mode works
     """
@@ -171,12 +170,9 @@ def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> Outcome:
 
 def end_runs(within_s: float = 5.0) -> bool:
     """
-    End the runs of the pool's threads, so that the threads clean up and end.
+    End the runs of the pool's threads; return whether all threads have ended in time.
 
     Exiting is not enough: a sandbox that is still being set up does not end with this process.
-
-    :param within_s: timeout [s]
-    :returns: whether all threads have ended
     """
     deadline = time.monotonic() + within_s
     while threads := [one for one in threading.enumerate() if one.name.startswith(THREADS)]:
