@@ -107,9 +107,8 @@ class CellFile:
 
 def parse_cell(source: str) -> CellFile | None:
     """
-    Parse a cell as a file; return None if it has no magic line of the course.
+    Parse the text of a code cell as a file; return None if it has no magic line of the course.
 
-    :param source: the whole text of a code cell
     :raises CellSyntaxError: if the magic line does not name a valid file
     """
     source = source.replace('\r\n', '\n')
@@ -132,11 +131,7 @@ def parse_cell(source: str) -> CellFile | None:
 
 
 def magic_line(path: str) -> str:
-    """
-    Return the magic line of the cell that saves a file, empty if no cell can.
-
-    :param path: path in the package, as :attr:`CellFile.path` returns it
-    """
+    """Return the magic line that saves :attr:`CellFile.path`, empty if no cell can save it."""
     # Try node last: setup.py is a package file, although a node may have any name.
     for kind, (rule, *_) in reversed(_RULES.items()):
         for name in (path, PurePosixPath(path).stem):
@@ -149,7 +144,7 @@ def first_line(source: str) -> tuple[str, int]:
     """
     Return the first line that is not blank, and its offset.
 
-    :param source: the whole text of a cell; it may be very long, so no other line is copied
+    No other line is copied, because the text of a cell may be very long.
     """
     found = _SOMETHING.search(source)
     if found is None:
@@ -164,8 +159,6 @@ def body_of(text: str) -> str:
     Replace solution markers and blank lines with empty lines, and end with exactly one newline.
 
     IPython also removes the spaces of blank lines before it passes a cell to a magic function.
-
-    :param text: the cell's text below its magic line
     """
     kept = ['' if line.strip() in _EMPTIED else line for line in text.split('\n')]
     return '\n'.join(kept).rstrip() + '\n'
@@ -177,7 +170,6 @@ def chosen_letter(body: str) -> str | None:
 
     Capital letters, blanks around the letter and comments are accepted.
 
-    :param body: text of an ``%%answer`` cell below its magic line
     :returns: a lower-case letter, or None if the answer is empty or None
     :raises NotALetterError: for any other answer
     """

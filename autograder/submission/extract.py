@@ -24,10 +24,9 @@ CHECK_PREFIX = 'check_'
 @dataclass(frozen=True)
 class ExamFiles:
     """
-    The files that one exam judges.
+    The files that one exam judges, and a problem per answer cell that is not the expected file.
 
     :param files: relative path to text; a missing answer has no entry
-    :param problems: one problem per answer cell that is not the expected file
     """
 
     files: Mapping[str, str] = field(default_factory=dict)
@@ -35,12 +34,7 @@ class ExamFiles:
 
 
 def answer_files(release: Notebook) -> dict[str, CellFile]:
-    """
-    Return the expected file of each answer cell, by grade id.
-
-    :param release: the notebook that students received
-    :raises CellSyntaxError: if a magic line in the release is invalid
-    """
+    """Return the expected file of each answer cell, by grade id, or raise a CellSyntaxError."""
     return {
         grade_id: found
         for grade_id, cell in answer_cells(release).items()
@@ -51,12 +45,7 @@ def answer_files(release: Notebook) -> dict[str, CellFile]:
 def extract(
     opened: Opened, exams: Iterable[Exam], release: Notebook, where: str = 'notebook'
 ) -> dict[str, ExamFiles]:
-    """
-    Return the files of every exam by its name, including untouched stubs, which the exam reports.
-
-    :param release: the notebook that students received
-    :param where: name of the submitted file in messages
-    """
+    """Return the files of every exam by its name, with untouched stubs, which exams report."""
     expected = answer_files(release)
     sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in opened.notebook['cells']}
     result = {}
@@ -73,11 +62,7 @@ def extract(
 def files_in_notebook(
     path: Path, release: Notebook, exams: Sequence[Exam]
 ) -> Iterator[tuple[Exam, ExamFiles]]:
-    """
-    Yield each exam with its files in a student's notebook; the problems include the notebook's.
-
-    :param release: the notebook that students received
-    """
+    """Yield each exam with its files in a notebook; the problems include the notebook's."""
     data, problems = read_file(path, path.name)
     opened = open_submission(data, release, path.name, problems)
     for exam, found in zip(exams, extract(opened, exams, release, path.name).values()):
@@ -85,11 +70,7 @@ def files_in_notebook(
 
 
 def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionResult:
-    """
-    Return a result in which a missing file refers to the problem that explains its absence.
-
-    :param result: a result that includes the problems of the submission
-    """
+    """Return a result in which each missing file refers to the problem that explains it."""
     cells = {exam.name: set(exam.cells) for exam in exams}
     explained = []
     for exam in result.exams:

@@ -39,7 +39,6 @@ class Submission:
     :param student: name of the student's folder, which is the student id in the gradebook
     :param folder: the folder that was searched for the notebook
     :param data: content of the notebook if it is not read from a file
-    :param problems: problems found in the search for the notebook
     :param recordable: whether the student's name is a valid id for the gradebook
     :param path: the notebook's file, which is read when needed to save memory
     """
@@ -52,12 +51,7 @@ class Submission:
     path: Path | None = None
 
     def read(self, where: str) -> tuple[bytes | None, tuple[Problem, ...]]:
-        """
-        Read the notebook from its file on each call.
-
-        :param where: name of the file in messages
-        :returns: the content, None if it is missing; and the problems found
-        """
+        """Read the notebook on each call; return its content, or None, and the problems."""
         if self.path is None:
             return self.data, self.problems
         data, problems = read_file(self.path, where)
@@ -70,9 +64,6 @@ def discover(
     """
     Find the submissions of an assignment, sorted by student id.
 
-    :param submitted: the folder of the class
-    :param assignment: name of the assignment's folder
-    :param notebook: file name of the released notebook
     :param known: names of all assignments, to distinguish misnamed folders from other assignments
     :returns: one entry per student, without students who submitted only other assignments
     :raises OSError: if the folder of the class itself cannot be read
@@ -89,7 +80,6 @@ def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
     A folder without such a notebook may not belong to a student: it may be part of a raw download,
     or contain a whole class one level deeper.
 
-    :param assignments: names of the folders in which the notebook may be
     :raises OSError: if the folder of the class cannot be read
     """
     return [one for one in _folders(submitted) if _has_notebook(submitted / one, assignments)]
@@ -209,13 +199,9 @@ def _student(
 
 def open_folder(folder: Path, student: str, notebook: str) -> Submission:
     """
-    Find the notebook in one submission folder.
+    Find the notebook in one submission folder, ``submitted/<student>/<assignment>``.
 
     If the folder has only one notebook, a different name such as "name (1).ipynb" is accepted.
-
-    :param folder: ``submitted/<student>/<assignment>``
-    :param student: the student id
-    :param notebook: file name of the released notebook
     """
     where = f'submitted/{student}/{folder.name}'
     inside, problems = _inside(folder, where)

@@ -38,13 +38,7 @@ class StudentCell:
 def read_notebook(
     data: bytes, where: str
 ) -> tuple[tuple[StudentCell, ...] | None, tuple[Problem, ...]]:
-    """
-    Read the cells of a submitted notebook.
-
-    :param data: content of the file
-    :param where: name of the file in messages
-    :returns: the cells, None if this is not a notebook; and the problems
-    """
+    """Return the cells of a submitted notebook, None if it is not one, and the problems."""
     if len(data) > MAX_BYTES:
         return None, (too_large(where, len(data)),)
     repeated: list[str] = []
@@ -215,9 +209,5 @@ _NUMBERS = {number / 20: number / 20 for number in range(20001)}
 
 
 def small_number(text: str) -> float | bool:
-    """
-    Return a number if it can be the points of a cell; True for any other number.
-
-    :param text: the number as written in the file
-    """
+    """Return a number in a file if it can be the points of a cell; True for any other number."""
     return _NUMBERS.get(float(text), True) if len(text) < 12 else True

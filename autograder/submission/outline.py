@@ -35,7 +35,6 @@ class Outline(NamedTuple):
     """
     The outline of one lesson.
 
-    :param path: the notebook
     :param parts: the first part precedes the first heading, and its heading is the title
     :param minutes: estimated duration, the sum in the table of parts [min]
     :param facts: the notebook's metadata with the key :data:`FACTS`
@@ -59,12 +58,7 @@ class Outline(NamedTuple):
 
 
 def read_outline(path: Path) -> Outline:
-    """
-    Return the outline of a lesson.
-
-    :raises OSError: if the notebook cannot be read
-    :raises ValueError: if it is not a notebook
-    """
+    """Return the outline of a notebook; raise an OSError or ValueError if it cannot be read."""
     notebook = read_release(path)
     parts, minutes = [Part(path.stem)], 0
     for cell in notebook['cells']:

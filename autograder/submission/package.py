@@ -57,7 +57,6 @@ def read_package(folder: Path) -> dict[str, str]:
     """
     Return the contents of a package's files, keyed by the paths that exams use.
 
-    :param folder: the package, or a folder with the same structure
     :raises UnusableUploadError: if a file or folder is a link
     """
     found: dict[str, str] = {}
@@ -106,12 +105,7 @@ def _script(path: Path) -> str:
 
 
 def _texts(path: Path) -> dict[str, str]:
-    """
-    Return the texts of a folder or a zip file by relative path, without following links.
-
-    :raises UnusableUploadError: if it is damaged or too large, or has a link, a special file or an
-        unsafe path
-    """
+    """Return the texts of a folder or a zip file by relative path, without following links."""
     found, folder = {}, path.is_dir()
     if not folder and path.is_symlink():
         raise UnusableUploadError(f'{path}: expected a regular file, got a link.')
@@ -140,7 +134,6 @@ def in_package(files: Mapping[str, str], where: str) -> dict[str, str]:
     Return the files of the only package, with paths relative to its folder.
 
     :param files: the files of a package, or of a folder that contains a package at any depth
-    :param where: name of the submission in messages
     :raises UnusableUploadError: if there are several packages
     """
     roots = sorted(
@@ -173,8 +166,6 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
     The source is the file that ``ros2 run`` would start: the module from which ``setup.py`` or
     ``setup.cfg`` builds the executable of that name; otherwise, a file of that name: the one that
     ``CMakeLists.txt`` mentions, or the one in the top folder, or one in the package's folders.
-
-    :param wanted: node files such as ``talker.py``
     """
     found = dict(files)
     for name in wanted:
@@ -207,12 +198,10 @@ def _node_text(files: Mapping[str, str], name: str) -> str | None:
 
 def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
     """
-    Return the files that an exam needs, from all files that a notebook has saved.
+    Return the files that an exam needs, from those of :func:`read_package`.
 
     As in grading, these do not include the nodes of other exercises: editing those nodes does not
     cause a new build, and a cause can name a line, because all code is in one file.
-
-    :param files: from :func:`read_package`
     """
     wanted = {name for name in exam.requires if name.endswith('.py')}
     if not wanted and exam.scenario.program != 'build':
@@ -231,11 +220,7 @@ def describe_files(files: Mapping[str, str]) -> str:
 
 
 def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
-    """
-    Return a result whose message about a missing file does not mention a notebook's cells.
-
-    :param result: the exam's result for these files
-    """
+    """Return a result whose message about a missing file does not mention a notebook's cells."""
     return with_missing_file(
         result,
         title='All files of the exercise exist.',  # the first check is about other things
@@ -246,11 +231,7 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
 
 
 def with_missing_file(result: ExamResult, **words: str) -> ExamResult:
-    """
-    Return a result with a different message about a missing file.
-
-    :param words: fields of :class:`~autograder.results.CheckResult` to replace
-    """
+    """Return a result with other words in the check about a missing file."""
     checks = [
         replace(check, **words) if check.cause_id == 'missing_file' else check  # type: ignore[arg-type]
         for check in result.checks

@@ -40,7 +40,6 @@ def read_file(
     """
     Read a regular file without following links or waiting for a pipe.
 
-    :param where: name of the file in messages
     :param owner: required uid of the file's owner, None for any owner
     :returns: the content, None if it cannot be read; and the problems
     """
@@ -172,9 +171,8 @@ class Tree(NamedTuple):
 @contextmanager
 def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     """
-    Yield a source; its files can be read inside the context.
+    Yield a source, a folder or a zip file, whose files can be read inside the context.
 
-    :param source: a folder or a zip file
     :raises UnusableUploadError: if the source is neither of these, damaged, or too large
     """
     try:
@@ -207,12 +205,7 @@ class _Meter:
         self.count = 0
 
     def within(self, parts: Parts, data: bytes) -> bytes:
-        """
-        Count the bytes of a file, and return them.
-
-        :raises UnusableUploadError: if all files together are too large
-        :raises UnreadableError: if this file is too large
-        """
+        """Count and return the bytes of a file; refuse the file or the source if too large."""
         self.count += 0 if parts in self.known else len(data)
         self.known.add(parts)
         if self.count > self.bounds.whole_bytes:
@@ -228,11 +221,7 @@ def _is_folder() -> bytes:
 
 
 def _tree(name: str, names: Iterable[File], meter: _Meter) -> Tree:
-    """
-    Return the tree of a source from its files and folders.
-
-    :raises UnusableUploadError: if there are too many of them
-    """
+    """Return the tree of a source from its files and folders, unless there are too many."""
     files: dict[Parts, File] = {}
     refused: list[tuple[str, str]] = []
     folders: set[Parts] = set()

@@ -34,7 +34,6 @@ class Opened:
     """
     A submission that can be graded.
 
-    :param notebook: the release with the student's answers
     :param problems: the mistakes in the submission; ``cells`` lists the answers that are missing
     :param flags: differences from the release that an instructor should look at, from
         :func:`changes`
@@ -57,8 +56,6 @@ def open_submission(
     Convert submitted bytes to a notebook that can be graded.
 
     :param data: content of the submitted file, None if no file could be read
-    :param release: the notebook that students received
-    :param where: name of the submitted file in messages
     :param problems: problems found earlier, for example in the search for the file
     """
     cells, found = read_notebook(data, where) if data is not None else (None, ())
@@ -83,9 +80,7 @@ def rebuild(
     """
     Return the release with the student's answers, which are found by grade id.
 
-    :param release: the notebook that students received
     :param student: cells of the submitted notebook; None if it could not be read
-    :param where: name of the submitted file in messages
     :returns: a new notebook, and the problems found in the student's cells.  For a missing answer,
         the notebook keeps the release's stub, and a problem has the grade id in its ``cells``.
     """
@@ -154,9 +149,6 @@ def changes(release: Notebook, cells: Sequence[StudentCell]) -> tuple[str, ...]:
     These differences do not change a grade.  nbgrader's checksums ignore tags, and are wrong for
     every cell whose text is generated at release, so this function compares the cells themselves.
     Data that editors add (outputs, ids, folding, timing) is ignored.
-
-    :param release: the notebook that students received
-    :param cells: all cells of the submitted notebook
     """
     by_id = by_grade_id(cells)
     lines: list[str] = []

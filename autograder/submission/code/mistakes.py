@@ -38,11 +38,7 @@ def _leaves_out(call: ast.Call) -> str:
 
 
 def logs_with_python(files: Mapping[str, str], level: str) -> bool:
-    """
-    Return whether all log calls of a level use Python's module ``logging``.
-
-    :param level: the log calls, such as ``warning``
-    """
+    """Return whether all log calls such as ``warning`` use Python's module ``logging``."""
     code = Code(files)
     given = [one.func.value for one in code.calls_to(level) if isinstance(one.func, ast.Attribute)]
     loggers = [getattr(one, 'func', one) for one in map(code.origin, given)]

@@ -25,9 +25,8 @@ class NotPythonError(ValueError):
 
 def parsed(text: str, mode: str = 'exec') -> ast.AST:
     """
-    Return the syntax tree of a file.
+    Return the syntax tree of a file, or of one expression (``'eval'``).
 
-    :param mode: ``'eval'`` for one expression
     :raises NotPythonError: if Python cannot parse it
     """
     try:

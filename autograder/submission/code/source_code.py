@@ -38,11 +38,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 class Code:
-    """
-    The student's Python files as syntax trees, without files that Python cannot parse.
-
-    :param files: the student's files, relative path to text
-    """
+    """The student's Python files as syntax trees, without files that Python cannot parse."""
 
     about: Sequence[str] = ()
     lines: Collection[int] = ()
@@ -56,12 +52,7 @@ class Code:
         self.nodes = [node for tree in self.trees for node in ast.walk(tree)]
 
     def asked(self, about: Sequence[str], lines: Collection[int]) -> 'Code':
-        """
-        Return this code with a question about it.
-
-        :param about: names, strings and numbers in question, such as the field of a message
-        :param lines: lines of the log calls in question
-        """
+        """Return this code with a question about it, see :func:`.acts.place_of`."""
         asked = copy.copy(self)
         asked.about, asked.lines = about, lines
         return asked
@@ -221,11 +212,7 @@ class Code:
     def reached(
         self, bodies: Iterable[ast.AST], seen: set[ast.AST] | None = None
     ) -> Iterator[ast.AST]:
-        """
-        Yield functions and all functions that they call, directly or not.
-
-        :param seen: functions to skip; yielded functions are added
-        """
+        """Yield functions and all that they call, directly or not; skip and extend ``seen``."""
         seen, left = set() if seen is None else seen, list(bodies)
         for body in left:
             if body not in seen:
@@ -324,11 +311,7 @@ class Code:
         return [one for one in given if one is not None]
 
     def number(self, node: ast.AST, most: int = _MOST) -> float | None:
-        """
-        Return the value of a number or of simple arithmetic, None for anything else.
-
-        :param most: maximum number of nested operations to follow
-        """
+        """Return the value of a number or of simple nested arithmetic, None for anything else."""
         node = self.origin(node)
         with suppress(ArithmeticError):
             if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
