@@ -56,12 +56,7 @@ def join_paths(*parts: str | Path | Iterable[str | Path]) -> str:
 
 
 def describe_wheels(places: Places, base_prefix: str) -> RosEnvironment:
-    """
-    Describe a venv that contains the ROS 2 wheels.
-
-    :param places: the prepared folders
-    :param base_prefix: installation of the interpreter with which the venv was created
-    """
+    """Describe a venv with the ROS 2 wheels, made by the Python installed in ``base_prefix``."""
     venv, site = places.venv, places.site_packages()
     base = {
         **COMMON,
@@ -83,8 +78,7 @@ def describe_sourced(
     """
     Describe a venv that uses a sourced ROS 2 installation (apt or conda).
 
-    :param places: the prepared folders
-    :param base_prefix: installation of the interpreter with which the venv was created
+    :param base_prefix: as in :func:`describe_wheels`
     :param environ: the environment of the shell in which the installation was sourced
     """
     kept = {name: environ[name] for name in SOURCED_NAMES if environ.get(name)}
@@ -117,11 +111,7 @@ def _describe(
 
 
 def trial_of_messages(package: str) -> str:
-    """
-    Return the code of a Python program that imports ROS and every message of a built package.
-
-    :param package: name of the package, empty for none
-    """
+    """Return a Python program that imports ROS and every message of a package, if one is given."""
     if not package:
         return 'import rclpy'
     return f"""
@@ -133,12 +123,7 @@ for name in [name for name in dir(messages) if name[0].isupper()]:
 
 
 def with_workspace(base: Mapping[str, str], prefix: Path) -> dict[str, str]:
-    """
-    Return the variables with the paths of a built workspace in front.
-
-    :param base: variables without the workspace
-    :param prefix: where colcon installed the package
-    """
+    """Return the variables with the paths of a workspace, installed in ``prefix``, in front."""
     # Debian's CMake rules may use local/lib and dist-packages; both are accepted.
     python = [
         folder

@@ -64,9 +64,7 @@ class Finding:
     """
     The result of checking one requirement.
 
-    :param name: the requirement
     :param state: ok, weak or missing
-    :param detail: what was found
     :param fix: what to type or change; shown only if the state is not ok
     """
 

@@ -21,11 +21,7 @@ ROOT_MODE = 0o1777
 
 
 def exchange_root(project: Path, environ: Mapping[str, str]) -> Path:
-    """
-    Return the root folder of the exchange.
-
-    :param project: the folder of the course, to which a relative path refers
-    """
+    """Return the root folder of the exchange; a relative path refers to the course folder."""
     chosen = environ.get(SETTING)
     if chosen:
         return project / Path(chosen).expanduser()
@@ -33,11 +29,7 @@ def exchange_root(project: Path, environ: Mapping[str, str]) -> Path:
 
 
 def unprotected(root: Path) -> list[tuple[Path, int]]:
-    """
-    Return the folders in which users can remove the work of others, with their correct modes.
-
-    :param root: root folder of the exchange, which need not exist
-    """
+    """Return the folders, if any, in which users can remove others' work, with correct modes."""
     # glob, unlike Path.glob, skips folders that this user may not read.
     inbound = sorted(glob.glob(f'{glob.escape(str(root))}/*/inbound'))
     found = []

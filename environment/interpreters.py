@@ -36,10 +36,8 @@ class Interpreter:
     """
     The facts that a candidate interpreter reports about itself.
 
-    :param path: the interpreter
     :param release: '3.12.1'
     :param implementation: 'cpython'
-    :param base_prefix: installation folder
     :param has_venv: whether it can create a virtual environment with pip
     :param has_headers: whether Python.h exists, which generated message code includes
     :param platform: such as 'linux-x86_64'
@@ -94,10 +92,8 @@ class Interpreter:
 
 def probe(path: str, environ: Mapping[str, str]) -> Interpreter | None:
     """
-    Run a candidate to get its facts.
+    Run a command or interpreter to get its facts.
 
-    :param path: name of a command or path of an interpreter
-    :param environ: environment to run it in
     :returns: None if it does not run, such as a pyenv shim without this version or a broken link
     """
     clean = {k: v for k, v in environ.items() if not k.startswith('PYTHON')}
@@ -137,11 +133,7 @@ def candidates(environ: Mapping[str, str]) -> Iterator[str]:
 
 
 def choose(found: Sequence[Interpreter]) -> Interpreter | None:
-    """
-    Return the best interpreter according to :attr:`Interpreter.preference`, or None.
-
-    :param found: interpreters in the order in which they were found
-    """
+    """Return the best interpreter by :attr:`Interpreter.preference`, or None."""
     supported = [item for item in found if item.supported]
     return min(supported, key=lambda item: item.preference, default=None)
 
@@ -150,7 +142,6 @@ def find(environ: Mapping[str, str], request: str = '') -> Interpreter | None:
     """
     Find the interpreter for the virtual environment.
 
-    :param environ: the environment of the shell
     :param request: what the user typed as PYTHON=...; no other Python is then considered
     """
     if request:

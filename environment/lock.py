@@ -54,11 +54,7 @@ def pins_of_report(report: Mapping[str, Any]) -> tuple[dict[str, str], dict[str,
 
 
 def with_digests(lines: Iterable[str], digests: Iterable[Mapping[str, str]]) -> list[str]:
-    """
-    Return requirement lines with the digests of their files, sorted.
-
-    :param digests: digests for each Python, as :func:`pins_of_report` returns them
-    """
+    """Return sorted requirement lines with the digests of their files, found by each Python."""
     found: dict[str, set[str]] = {}
     for requirement, digest in (item for one in digests for item in one.items()):
         found.setdefault(requirement, set()).add(digest)
@@ -69,12 +65,7 @@ def with_digests(lines: Iterable[str], digests: Iterable[Mapping[str, str]]) -> 
 
 
 def render(lines: Sequence[str], releases: Sequence[str]) -> str:
-    """
-    Return the text of the lock file.
-
-    :param lines: the requirement lines
-    :param releases: the Pythons that resolved them, such as '3.11.2'
-    """
+    """Return the text of the lock file; ``releases`` are the Pythons that resolved its lines."""
     ros = [line for line in lines if is_ros(line.split('==')[0])]
     other = [line for line in lines if line not in ros]
     head = HEADER + RESOLVED + ', '.join(releases)
@@ -82,12 +73,7 @@ def render(lines: Sequence[str], releases: Sequence[str]) -> str:
 
 
 def resolve(python: str) -> tuple[dict[str, str], dict[str, str]]:
-    """
-    Resolve requirements.in with one interpreter, in a temporary venv.
-
-    :param python: path of the interpreter
-    :returns: as :func:`pins_of_report`
-    """
+    """Resolve requirements.in in a temporary venv; return what :func:`pins_of_report` returns."""
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([python, '-m', 'venv', folder], check=True)
         report = Path(folder) / 'report.json'
@@ -98,11 +84,7 @@ def resolve(python: str) -> tuple[dict[str, str], dict[str, str]]:
 
 
 def write_lock(environ: Mapping[str, str]) -> int:
-    """
-    Resolve with one Python of each supported version, and write the lock.
-
-    :returns: the exit code, 1 if a version is not installed here
-    """
+    """Resolve with each supported Python and write the lock; return 1 if one is not installed."""
     paths = dict.fromkeys(interpreters.candidates(environ))
     found = [item for path in paths if (item := interpreters.probe(path, environ))]
     chosen = oldest_of_each([item for item in found if item.supported and item.complete])

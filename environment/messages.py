@@ -31,7 +31,6 @@ def wanted(text: str) -> dict[str, str]:
     """
     Parse ``messages.txt`` into pins.
 
-    :param text: text of ``messages.txt``
     :returns: name -> version, such as ``'ros-trajectory-msgs'`` -> ``'5.3.6'``
     :raises StepError: if a line does not give the exact version of a ROS package
     """
@@ -128,7 +127,6 @@ def requirements(report: Mapping[str, Any], pins: Mapping[str, str]) -> dict[str
     """
     Return the packages that each wheel requires.
 
-    :param report: report of ``pip install --report``
     :param pins: name -> version of everything that is or will be installed
     :raises StepError: if a required package is missing or has an unsuitable version
     """

@@ -19,11 +19,7 @@ TOPS = ('CMakeLists.txt', 'package.xml', 'msg', 'temp_monitor_pkg')
 
 
 def pack(package: Path) -> bytes:
-    """
-    Return the sources of the package as one file; equal sources give equal bytes.
-
-    :param package: folder of the package
-    """
+    """Return the sources of the package as one file; equal sources give equal bytes."""
     texts: dict[str, str] = {}
     for top in TOPS:
         start = package / top
@@ -36,12 +32,7 @@ def pack(package: Path) -> bytes:
 
 
 def unpack(data: bytes, folder: Path) -> None:
-    """
-    Write the packed sources to a folder.
-
-    :param data: what :func:`pack` returned
-    :param folder: the target folder
-    """
+    """Write the packed sources to a folder."""
     for name, text in json.loads(zlib.decompress(data)).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -32,7 +32,6 @@ def pins_for(text: str, python: str, *, ros: bool = True) -> dict[str, str]:
     """
     Return the pins of the lock for one Python.
 
-    :param text: text of the lock file
     :param python: version of the Python, such as '3.12'
     :param ros: False omits packages that are part of a sourced ROS 2 installation
     :returns: name -> version
@@ -42,11 +41,7 @@ def pins_for(text: str, python: str, *, ros: bool = True) -> dict[str, str]:
 
 
 def requirements_for(text: str, python: str, *, ros: bool = True) -> list[str]:
-    """
-    Return the requirements for one Python: one line per pin, with the digests of its files.
-
-    The parameters are those of :func:`pins_for`.
-    """
+    """Return the lines of :func:`pins_for`: one per pin, with the digests of its files."""
     lines = _lines_for(text, python, ros)
     return [f'{match["name"]}=={match["version"]}{match["digests"]}' for match in lines]
 
@@ -65,9 +60,8 @@ def applies(marker: str | None, python: str) -> bool:
 
 def merge(pins: Mapping[str, Mapping[str, str]]) -> list[str]:
     """
-    Merge the pins of several Pythons into requirement lines.
+    Merge the pins of several Pythons, such as '3.12', into requirement lines.
 
-    :param pins: for each Python ('3.12'), a dictionary name -> version
     :returns: sorted lines, with a marker where the Pythons differ
     """
     lines = []

@@ -24,7 +24,6 @@ def stated(project: Path, name: str) -> str:
     """
     Return a setting of ``course.toml``: the string in the line ``name = '...'``.
 
-    :param project: the folder of a course
     :param name: one of :data:`UNSTATED`
     :raises ValueError: if the line has an unexpected form
     """
@@ -41,12 +40,7 @@ def stated(project: Path, name: str) -> str:
 
 
 class Below:
-    """
-    A property that returns a path below another path of the same object.
-
-    :param base: the attribute of the object with the other path
-    :param names: names of the folders and the file below it
-    """
+    """A property that returns a path below the path in another attribute of the same object."""
 
     def __init__(self, base: str, *names: str) -> None:
         self.base, self.names = base, names

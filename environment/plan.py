@@ -32,7 +32,6 @@ class Plan:
     """
     The choices for one run of the set-up.
 
-    :param places: the folders
     :param environ: the shell's environment, plus the variables of a remembered sourced ROS 2
     :param kind: 'wheels' or 'sourced'
     :param interpreter: the Python to use, None if none is installed yet

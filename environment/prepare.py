@@ -38,11 +38,7 @@ Work = Callable[[Plan, Job], None]
 
 
 def prepare(places: Places, environ: Mapping[str, str]) -> bool:
-    """
-    Prepare the environment; do nothing if it is already prepared.
-
-    :returns: False if a step failed; the failure was already printed
-    """
+    """Prepare the environment if needed; return False, after printing why, if a step failed."""
     if stamps.is_ready(places, environ):
         return True
     screen = Screen.of(environ)

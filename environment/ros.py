@@ -60,7 +60,6 @@ class RosEnvironment:
         """
         Parse a description.
 
-        :param text: what :meth:`to_json` wrote
         :raises ValueError: if it is not JSON, or a key is missing, unknown or of the wrong type
         """
         data = json.loads(text)
@@ -75,9 +74,8 @@ class RosEnvironment:
 
 def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
     """
-    Return the ROS environment of the running virtual environment.
+    Return the ROS environment of a virtual environment, by default that of this Python.
 
-    :param venv: another virtual environment; by default the one to which this Python belongs
     :raises RosEnvironmentError: if it is missing or unreadable; the message gives the command to
         run
     """

@@ -31,11 +31,7 @@ _SEARCH_PATHS = ('AMENT_PREFIX_PATH', 'LD_LIBRARY_PATH', 'PYTHONPATH')
 
 
 def installed_ros2(ros: RosEnvironment, path: str = '') -> str | None:
-    """
-    Return the ``ros2`` command of the ROS installation, None for the wheels, which have none.
-
-    :param path: an additional search path
-    """
+    """Return the ``ros2`` of a sourced installation, also searched in ``path``, else None."""
     if ros.kind != 'sourced':
         return None
     own = Path(ros.python).parent

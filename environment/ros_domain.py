@@ -18,12 +18,7 @@ NAME = 'ros2-course-domain-'
 
 
 class Claim(NamedTuple):
-    """
-    A claimed domain.
-
-    :param holder: socket that keeps the claim until it is closed; child processes do not inherit
-        it
-    """
+    """A claimed domain, until the socket is closed; child processes do not inherit the socket."""
 
     domain: int
     holder: socket.socket
@@ -31,10 +26,8 @@ class Claim(NamedTuple):
 
 def claim(domains: Iterable[int]) -> Claim | None:
     """
-    Claim the first domain that no process has claimed.
+    Claim the first of the domains that no process has claimed, None if there is none.
 
-    :param domains: numbers to try, in this order
-    :returns: None if all of them are claimed
     :raises OSError: if this system has no abstract sockets
     """
     for domain in domains:

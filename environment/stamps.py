@@ -88,22 +88,14 @@ def messages_text() -> str:
 
 
 def ros_request(environ: Mapping[str, str]) -> str:
-    """
-    Return which ROS 2 the shell requests.
-
-    :returns: the value of ROS_SOURCE or the sourced prefixes, '' if there is no request
-    """
+    """Return ROS_SOURCE or the sourced prefixes, '' if the shell requests no ROS 2."""
     if environ.get('ROS_SOURCE'):
         return environ['ROS_SOURCE']
     return environ.get('AMENT_PREFIX_PATH', '') if environ.get('ROS_DISTRO') == 'jazzy' else ''
 
 
 def stamp_of(notes: Path, step: str) -> Path:
-    """
-    Return the file that stores the digest from the last success of a step.
-
-    :param notes: :attr:`Places.notes`
-    """
+    """Return the file in :attr:`Places.notes` with the digest from the last success of a step."""
     return notes / f'{step}.stamp'
 
 
@@ -118,11 +110,7 @@ def is_stamped(notes: Path, step: str, digest: str) -> bool:
 def write_ready(
     places: Places, environ: Mapping[str, str], python_version: str, digest: str
 ) -> None:
-    """
-    Record that everything is prepared, and for which requested ROS 2 and Python.
-
-    :param digest: :func:`whole_digest` of the inputs of the prepared environment
-    """
+    """Record what was prepared: the :func:`whole_digest`, and the requested ROS 2 and Python."""
     ready = {
         'digest': digest,
         'python_version': python_version,

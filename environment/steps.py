@@ -38,7 +38,6 @@ class Screen:
     """
     Shows progress: one updated line on a terminal, plain lines in a pipe, few lines on CI.
 
-    :param out: stream to write to
     :param live: whether to update one line in place
     :param quiet: whether to omit the line at the start of a step
     """
@@ -71,7 +70,6 @@ class Job:
     """
     The tools with which a step runs commands.
 
-    :param log: the open log file of the step
     :param tick: called regularly while a command runs
     :param keep_open: file descriptors that children inherit, for example the lock: an orphaned pip
         of a killed set-up then blocks the next set-up instead of writing at the same time
@@ -89,9 +87,8 @@ class Job:
         cwd: Path | None = None,
     ) -> None:
         """
-        Run a command with its output in the log.
+        Run a command with its output in the log; errors call it ``what``.
 
-        :param what: name of the command in error messages
         :raises StepError: if the command does not exist or fails
         """
         name = what or Path(command[0]).name

@@ -45,11 +45,7 @@ def missing_tools() -> list[Tool]:
 
 
 def refuse_closed_shared_memory() -> None:
-    """
-    Fail if this user cannot create shared memory, which ROS 2 and the set-up need.
-
-    :raises StepError: with the command that makes the folder writable
-    """
+    """Raise a StepError if this user cannot create shared memory, which ROS 2 needs."""
     if SHARED_MEMORY.is_dir() and not os.access(SHARED_MEMORY, os.W_OK | os.X_OK):
         command = f'mount -o remount,rw {SHARED_MEMORY} && chmod 1777 {SHARED_MEMORY}'
         raise StepError(
@@ -91,11 +87,7 @@ def command_to_type(tools: Sequence[Tool], python: Sequence[str] = ()) -> str:
 
 
 def install_missing(job: Job, environ: Mapping[str, str], interpreter: Interpreter | None) -> None:
-    """
-    Install missing programs with apt, if that needs no password.
-
-    :raises StepError: if a required program is still missing; it gives the command to type
-    """
+    """Install missing programs with apt without a password, or raise a StepError with a fix."""
     tools, python = missing_tools(), python_packages(interpreter)
     command = apt_get(environ)
     if command and (tools or python):
