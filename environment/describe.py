@@ -46,11 +46,7 @@ def join_paths(*parts: str | Path | Iterable[str | Path]) -> str:
     """Join the parts into one search path, in order, without empty or repeated entries."""
     flat: list[str] = []
     for part in parts:
-        flat += (
-            [part]
-            if isinstance(part, str)
-            else map(str, [part] if isinstance(part, Path) else part)
-        )
+        flat += [str(part)] if isinstance(part, (str, Path)) else map(str, part)
     entries = [entry for item in flat for entry in item.split(os.pathsep) if entry]
     return os.pathsep.join(dict.fromkeys(entries))
 

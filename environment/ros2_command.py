@@ -22,6 +22,7 @@ if not __package__:
     # This file runs with -S and -E, to start faster, so sys.path contains only this folder.
     sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
+from environment.describe import join_paths
 from environment.places import PROJECT
 from environment.ros import ros_environment, RosEnvironment, RosEnvironmentError
 
@@ -55,9 +56,7 @@ def overlaid(environ: Mapping[str, str], ros: RosEnvironment) -> dict[str, str]:
     """
     variables = {**discovery_variables(ros), **ros.variables, **environ}
     for name in _SEARCH_PATHS:
-        parts = f'{environ.get(name, "")}{os.pathsep}{ros.variables.get(name, "")}'
-        entries = dict.fromkeys(part for part in parts.split(os.pathsep) if part)
-        variables[name] = os.pathsep.join(entries)
+        variables[name] = join_paths(environ.get(name, ''), ros.variables.get(name, ''))
     folder = str(Path(ros.python).parent)
     path = [part for part in environ.get('PATH', os.defpath).split(os.pathsep) if part != folder]
     return {**variables, 'PATH': os.pathsep.join([folder, *path])}
