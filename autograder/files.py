@@ -23,11 +23,7 @@ DIGEST_CHARS = 16
 
 
 def refuse_existing(paths: Iterable[Path], force: bool) -> None:
-    """
-    Check that files can be written without replacing existing files by mistake.
-
-    :raises GraderError: if a file exists and may not be replaced, or a path is a folder
-    """
+    """Raise a GraderError if a path is a folder, or exists and may not be replaced."""
     for path in paths:
         if path.is_dir():
             raise GraderError(f'{path}: cannot write a file here, because this is a folder.')

@@ -71,12 +71,7 @@ def describe_wheels(places: Places, base_prefix: str) -> RosEnvironment:
 def describe_sourced(
     places: Places, base_prefix: str, environ: Mapping[str, str]
 ) -> RosEnvironment:
-    """
-    Describe a venv that uses a sourced ROS 2 installation (apt or conda).
-
-    :param base_prefix: as in :func:`describe_wheels`
-    :param environ: the environment of the shell in which the installation was sourced
-    """
+    """Describe a venv with a ROS 2 installation (apt or conda) that was sourced in ``environ``."""
     kept = {name: environ[name] for name in SOURCED_NAMES if environ.get(name)}
     prefixes = environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
     base = {

@@ -246,11 +246,7 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
 
 
 def check_workspace(places: Places, wanted: str) -> Finding:
-    """
-    Check that the build of the course package has finished and is up to date.
-
-    :param wanted: the digest that the stamp of the build must have; empty if it is unknown
-    """
+    """Check that the build of the course package is finished and has the wanted digest, if any."""
     name = places.package_name
     if not name:
         return Finding('ROS package', OK, 'the course has none')

@@ -91,11 +91,7 @@ class Interpreter:
 
 
 def probe(path: str, environ: Mapping[str, str]) -> Interpreter | None:
-    """
-    Run a command or interpreter to get its facts.
-
-    :returns: None if it does not run, such as a pyenv shim without this version or a broken link
-    """
+    """Return the facts of an interpreter, None if it does not run, such as a broken pyenv shim."""
     clean = {k: v for k, v in environ.items() if not k.startswith('PYTHON')}
     try:
         done = subprocess.run(
@@ -139,11 +135,7 @@ def choose(found: Sequence[Interpreter]) -> Interpreter | None:
 
 
 def find(environ: Mapping[str, str], request: str = '') -> Interpreter | None:
-    """
-    Find the interpreter for the virtual environment.
-
-    :param request: what the user typed as PYTHON=...; no other Python is then considered
-    """
+    """Find the Python for the venv: only the one that PYTHON=... requests, or else the best."""
     if request:
         asked = probe(shutil.which(request, path=environ.get('PATH')) or request, environ)
         return choose([asked]) if asked else None

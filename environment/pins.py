@@ -59,11 +59,7 @@ def applies(marker: str | None, python: str) -> bool:
 
 
 def merge(pins: Mapping[str, Mapping[str, str]]) -> list[str]:
-    """
-    Merge the pins of several Pythons, such as '3.12', into requirement lines.
-
-    :returns: sorted lines, with a marker where the Pythons differ
-    """
+    """Merge the pins of several Pythons into sorted lines, with a marker where they differ."""
     lines = []
     for name in sorted({name for found in pins.values() for name in found}):
         versions: dict[str, list[str]] = {}

@@ -54,12 +54,7 @@ class Below:
 
 @dataclass(frozen=True)
 class Places:
-    """
-    The paths of one prepared environment.
-
-    :param venv: the virtual environment, absolute
-    :param project: the folder of the course
-    """
+    """The paths of one prepared environment, from its absolute venv and the folder of a course."""
 
     venv: Path
     project: Path = PROJECT

@@ -57,11 +57,7 @@ class RosEnvironment:
 
     @classmethod
     def from_json(cls, text: str) -> RosEnvironment:
-        """
-        Parse a description.
-
-        :raises ValueError: if it is not JSON, or a key is missing, unknown or of the wrong type
-        """
+        """Parse the text of :meth:`to_json`, or raise a ValueError that says what is wrong."""
         data = json.loads(text)
         names = {field.name for field in fields(cls)}
         if not isinstance(data, dict) or set(data) != names:

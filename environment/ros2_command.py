@@ -49,11 +49,7 @@ def discovery_variables(ros: RosEnvironment) -> dict[str, str]:
 
 
 def overlaid(environ: Mapping[str, str], ros: RosEnvironment) -> dict[str, str]:
-    """
-    Return the variables of a shell, plus the variables that ROS needs.
-
-    Existing values are kept; search paths are joined, with the shell's in front.
-    """
+    """Return a shell's variables plus those of ROS; the shell's values and paths come first."""
     variables = {**discovery_variables(ros), **ros.variables, **environ}
     for name in _SEARCH_PATHS:
         variables[name] = join_paths(environ.get(name, ''), ros.variables.get(name, ''))

@@ -21,12 +21,7 @@ LAST_LINES = 12
 
 
 class StepError(Exception):
-    """
-    Raised when a step cannot be completed.
-
-    :param message: what was expected and what was found
-    :param try_this: what the user should type or change
-    """
+    """Raised when a step cannot be completed; ``try_this`` says what the user should do."""
 
     def __init__(self, message: str, try_this: str = '') -> None:
         super().__init__(message)
@@ -201,11 +196,7 @@ def explain(error: StepError, step: Step, label: str, log_path: Path, screen: Sc
 
 @contextmanager
 def locked(path: Path, screen: Screen) -> Iterator[int]:
-    """
-    Hold the lock of the set-up; if another set-up holds it, print a line and wait.
-
-    The kernel frees the lock however the process ends.
-    """
+    """Hold the lock of the set-up, which the kernel frees; if another holds it, say so, wait."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
     try:

@@ -74,11 +74,7 @@ def has_gradebook(layout: Layout) -> bool:
 
 
 def database_failure(error: BaseException) -> SQLAlchemyError | None:
-    """
-    Return the database error that caused an nbgrader error, or None.
-
-    An invalid value in one row is not a failure of the database.
-    """
+    """Return the failure of the database behind an error, if any; an invalid value is none."""
     seen: BaseException | None = error
     while seen is not None:
         if isinstance(seen, DBAPIError) and not isinstance(seen, (DataError, IntegrityError)):
@@ -108,11 +104,7 @@ def refusal(layout: Layout, error: Exception | str) -> GraderError:
 
 @contextmanager
 def connected(layout: Layout) -> Iterator[Connection | None]:
-    """
-    Yield a connection to the gradebook, or None if the file does not exist yet.
-
-    This function never creates a gradebook.  Its errors show no password.
-    """
+    """Yield a connection, None if there is no gradebook; never create one or show a password."""
     if not has_gradebook(layout):
         yield None
         return

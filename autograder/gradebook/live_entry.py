@@ -152,11 +152,7 @@ class Guard:
 
 
 class LiveEntry:
-    """
-    Enter results while other submissions run.
-
-    If an entry fails, it is retried after all runs; only a second failure is reported.
-    """
+    """Enter results while other submissions run; retry a failed entry after all runs."""
 
     def __init__(self, layout: Layout, lesson: Lesson, guard: Guard) -> None:
         self.layout, self.lesson, self.guard = layout, lesson, guard

@@ -210,11 +210,7 @@ class GradeOutside(NbGraderPreprocessor):
         return nb, resources
 
     def _grade(self, nb: NotebookNode, resources: Resources) -> SubmissionResult:
-        """
-        Grade a notebook; set ``keep_scores`` if its mark in the gradebook would be lowered.
-
-        :raises ExamInvalid: if a check cell and its exam give different points
-        """
+        """Grade a notebook; set ``keep_scores`` if its mark in the gradebook would be lowered."""
         layout = course_of(self.config)
         if self._engine is None:
             self._engine = import_item(self.engine_factory)(layout)
@@ -263,11 +259,7 @@ class SaveGrades(SaveAutoGrades):
         return super().preprocess(nb, resources)
 
     def _add_score(self, cell: NotebookNode, resources: Resources) -> None:
-        """
-        Record a score, or request manual grading if there is no score.
-
-        nbgrader itself would give full points to a cell without a score.
-        """
+        """Record a score; a cell without one needs manual grading, not nbgrader's full points."""
         if is_check(cell) and resources['nbgrader'].get('keep_scores', False):
             return
         grade = self.gradebook.find_grade(

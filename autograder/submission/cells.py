@@ -141,11 +141,7 @@ def magic_line(path: str) -> str:
 
 
 def first_line(source: str) -> tuple[str, int]:
-    """
-    Return the first line that is not blank, and its offset.
-
-    No other line is copied, because the text of a cell may be very long.
-    """
+    """Return the first line that is not blank, and its offset; copy no other, maybe long, line."""
     found = _SOMETHING.search(source)
     if found is None:
         return '', 0

@@ -86,11 +86,7 @@ def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
 
 
 def without_notebooks(submitted: Path, assignments: Collection[str]) -> list[str]:
-    """
-    Return the sorted names of the folders without a notebook of the course.
-
-    :raises OSError: if the folder of the class cannot be read
-    """
+    """Return the sorted names of the folders without a notebook of the course."""
     return [one for one in _folders(submitted) if not _has_notebook(submitted / one, assignments)]
 
 

@@ -22,11 +22,7 @@ FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into 
 
 @dataclass(frozen=True)
 class StudentCell:
-    """
-    The parts of a cell that the grader reads; the cell is submitted, or from the release.
-
-    :param marks: fields of its nbgrader metadata, see :data:`MARKS`
-    """
+    """The parts that the grader reads of a submitted or released cell, with its :data:`MARKS`."""
 
     grade_id: str
     cell_type: str
@@ -188,12 +184,7 @@ def by_grade_id(cells: Iterable[StudentCell]) -> dict[str, list[StudentCell]]:
 
 
 def read_release(path: Path) -> Notebook:
-    """
-    Read a notebook of the course, and join the lines of each cell into one string.
-
-    :raises OSError: if the file cannot be read
-    :raises ValueError: if the file is not a notebook
-    """
+    """Return a notebook of the course with one string per cell; raise an OSError or ValueError."""
     notebook = json.loads(path.read_text(encoding='utf-8'))
     if not isinstance(notebook, dict) or not isinstance(notebook.get('cells'), list):
         raise ValueError(f'{path.name} is not a notebook in format 4')

@@ -24,11 +24,7 @@ class NotPythonError(ValueError):
 
 
 def parsed(text: str, mode: str = 'exec') -> ast.AST:
-    """
-    Return the syntax tree of a file, or of one expression (``'eval'``).
-
-    :raises NotPythonError: if Python cannot parse it
-    """
+    """Return the syntax tree of a file, or of one expression ('eval'); raise a NotPythonError."""
     try:
         with _ONE_AT_A_TIME, warnings.catch_warnings():
             warnings.simplefilter('ignore')  # such as invalid escape sequences in student code
