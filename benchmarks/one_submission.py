@@ -23,8 +23,8 @@ from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.probes import Probe, start_probe
 from autograder.sandboxes.processes import usage
 from autograder.sandboxes.sandbox import Sandbox
-from autograder.submission.extract import answer_files
 from autograder.submission.notebook import read_release
+from autograder.submission.submission import answer_files
 from benchmarks import report
 from exams.visible.talker import build
 

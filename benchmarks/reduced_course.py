@@ -22,8 +22,8 @@ from typing import Any
 from autograder.authoring.sample_class import compose
 from autograder.gradebook import converters
 from autograder.layout import Layout
-from autograder.submission.extract import answer_files
 from autograder.submission.notebook import marks_of, read_release
+from autograder.submission.submission import answer_files
 
 ASSIGNMENT = '07_temperature_monitor'
 EXAM = 'temperature_publisher'

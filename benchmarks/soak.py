@@ -32,8 +32,7 @@ from autograder.runs.observe import observe
 from autograder.runs.program import BUILDS
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.sandbox import Sandbox
-from autograder.submission.extract import extract
-from autograder.submission.submission import open_submission
+from autograder.submission.submission import extract, open_submission
 from benchmarks import report
 from tests.attacks.corpus import files_of, programs
 from tests.clock.style_pairs import judged, NAMES

@@ -21,9 +21,8 @@ from typing import Any
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.layout import Layout
-from autograder.submission.extract import extract
 from autograder.submission.notebook import read_release
-from autograder.submission.submission import open_submission
+from autograder.submission.submission import extract, open_submission
 from benchmarks import report
 
 RUNS = 3

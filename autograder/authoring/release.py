@@ -21,8 +21,7 @@ from autograder.exam.exam import Exam
 from autograder.gradebook import converters
 from autograder.gradebook.record import points_mismatches
 from autograder.layout import Layout, lesson_files
-from autograder.submission.extract import CHECK_PREFIX
-from autograder.submission.notebook import is_check, marks_of, Notebook, read_release
+from autograder.submission.notebook import CHECK_PREFIX, is_check, marks_of, Notebook, read_release
 
 # -- check ----------------------------------------------------------------------------------
 

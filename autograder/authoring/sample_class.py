@@ -25,11 +25,10 @@ from autograder.files import refuse_existing, write_atomically
 from autograder.layout import Layout
 from autograder.results import first_of
 from autograder.submission.cells import body_of
-from autograder.submission.extract import answer_files
 from autograder.submission.inbox import students_in
 from autograder.submission.notebook import answer_cells, Notebook, read_release, StudentCell
 from autograder.submission.reading import read_file
-from autograder.submission.submission import rebuild
+from autograder.submission.submission import answer_files, rebuild
 
 DAMAGES = ('', 'renamed_cell', 'duplicated_cell', 'truncated', 'not_a_notebook')
 """Kinds of damage to a whole notebook; ``not_a_notebook`` replaces it with a web page."""

@@ -39,8 +39,8 @@ from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult
 from autograder.runs.version import files_digest
-from autograder.submission.extract import with_reasons
 from autograder.submission.inbox import discover, Submission
+from autograder.submission.submission import with_reasons
 
 
 @takes(

@@ -29,7 +29,6 @@ from autograder.grading.pipeline import THREADS
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import ExamResult, Problem
-from autograder.submission.extract import files_in_notebook
 from autograder.submission.notebook import read_release
 from autograder.submission.package import (
     describe_files,
@@ -38,6 +37,7 @@ from autograder.submission.package import (
     with_node_files,
 )
 from autograder.submission.reading import UnusableUploadError
+from autograder.submission.submission import files_in_notebook
 
 
 @takes(

@@ -9,8 +9,7 @@ from nbformat.v4 import new_output
 from autograder.explaining.feedback import exam_text, FOR_REVIEW, review_text
 from autograder.explaining.feedback_html import exam_html
 from autograder.results import ExamResult, Problem, SubmissionResult
-from autograder.submission.extract import CHECK_PREFIX
-from autograder.submission.notebook import is_check, marks_of, Notebook
+from autograder.submission.notebook import CHECK_PREFIX, is_check, marks_of, Notebook
 from autograder.submission.submission import Opened
 
 

@@ -23,9 +23,8 @@ from autograder.gradebook.database import has_gradebook
 from autograder.gradebook.journal import autograded, drop
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
-from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.inbox import SECRET, STAMP
-from autograder.submission.notebook import is_check, marks_of, Notebook, read_release
+from autograder.submission.notebook import CHECK_PREFIX, is_check, marks_of, Notebook, read_release
 from autograder.submission.reading import read_file
 
 

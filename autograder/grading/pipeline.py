@@ -21,10 +21,16 @@ from typing import TYPE_CHECKING
 from autograder.errors import defect, ExamInvalid, GraderError
 from autograder.layout import Layout
 from autograder.results import ExamResult, SubmissionResult
-from autograder.submission.extract import answer_files, ExamFiles, extract, with_reasons
 from autograder.submission.inbox import Submission
 from autograder.submission.notebook import Notebook, read_release
-from autograder.submission.submission import open_submission, Opened
+from autograder.submission.submission import (
+    answer_files,
+    ExamFiles,
+    extract,
+    open_submission,
+    Opened,
+    with_reasons,
+)
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam

@@ -1,9 +1,8 @@
 """
 Parse the magic line that makes a notebook cell a file of a ROS package.
 
-Both the notebook's magics (:mod:`roslab.magics`) and the grader
-(:mod:`autograder.submission.extract`) call :func:`parse_cell`, so the grader judges the same file
-that the student runs.
+Both the notebook's magics (:mod:`roslab.magics`) and the grader (:mod:`.submission`) call
+:func:`parse_cell`, so the grader judges the same file that the student runs.
 """
 
 import ast

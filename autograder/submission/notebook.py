@@ -17,6 +17,8 @@ MAX_PARTS = 500_000
 MAX_CELLS = 5_000
 MAX_ANSWER_BYTES = 64 * 1024
 """Maximum answer size [bytes], ten times a long answer; compilers and databases must handle it."""
+CHECK_PREFIX = 'check_'
+"""Prefix of the grade id of a check cell; the name of the exam follows."""
 FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into it'
 
 

@@ -6,8 +6,7 @@ from pathlib import Path
 import re
 from typing import Any, NamedTuple
 
-from autograder.submission.extract import CHECK_PREFIX
-from autograder.submission.notebook import marks_of, read_release
+from autograder.submission.notebook import CHECK_PREFIX, marks_of, read_release
 
 FACTS = 'lesson'
 """Key of the lesson's own metadata in a notebook: ``needs`` and ``executed``."""

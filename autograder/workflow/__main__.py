@@ -21,9 +21,9 @@ from autograder.explaining.feedback import printable
 from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.submission.cells import UNSOLVED
-from autograder.submission.extract import files_in_notebook
 from autograder.submission.notebook import marks_of, read_release
 from autograder.submission.package import name_missing
+from autograder.submission.submission import files_in_notebook
 from autograder.workflow.report import Checked, classroom_result, error_commands, summary
 
 

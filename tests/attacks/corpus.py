@@ -32,8 +32,8 @@ from autograder.runs import observe, watchdog
 from autograder.runs.program import program_for
 from autograder.sandboxes.confinement import Limits, Program
 from autograder.sandboxes.sandbox import Sandbox
-from autograder.submission.extract import answer_files
 from autograder.submission.notebook import read_release
+from autograder.submission.submission import answer_files
 from environment.ros import RosEnvironment
 
 FOLDER = Path(__file__).parent

@@ -16,8 +16,8 @@ import sys
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.layout import Layout
-from autograder.submission.extract import answer_files
 from autograder.submission.notebook import read_release
+from autograder.submission.submission import answer_files
 
 LAYOUT = Layout.here()
 GRADER = LAYOUT.root / 'autograder'

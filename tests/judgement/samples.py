@@ -14,9 +14,8 @@ from autograder.authoring import sample_class
 from autograder.authoring.sample_class import compose, expected_of, own_files
 from autograder.exam.exam import Exam
 from autograder.results import ExamResult, Verdict
-from autograder.submission.extract import answer_files, extract
 from autograder.submission.notebook import Notebook, read_release
-from autograder.submission.submission import open_submission
+from autograder.submission.submission import answer_files, extract, open_submission
 from tests.judgement.references import Exercise, exercises, LAYOUT
 
 UNTOUCHED = 'zero__untouched_stub'

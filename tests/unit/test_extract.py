@@ -11,9 +11,8 @@ from autograder.results import (
     SubmissionResult,
     Verdict,
 )
-from autograder.submission.extract import answer_files, extract, with_reasons
 from autograder.submission.notebook import StudentCell
-from autograder.submission.submission import Opened, rebuild
+from autograder.submission.submission import answer_files, extract, Opened, rebuild, with_reasons
 
 
 @dataclass(frozen=True)
