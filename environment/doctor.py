@@ -17,7 +17,6 @@ import subprocess
 import sys
 
 from environment import install_files, interpreters, messages, stamps, system
-from environment.describe import trial_of_messages
 from environment.exchange import exchange_root, unprotected
 from environment.interpreters import Interpreter
 from environment.pins import canonical, is_ros, pins_for
@@ -28,6 +27,7 @@ from environment.ros import (
     ros_environment,
     RosEnvironment,
     RosEnvironmentError,
+    trial_of_messages,
 )
 from environment.ros2_command import installed_ros2
 from environment.steps import StepError

@@ -6,10 +6,16 @@ import os
 from pathlib import Path
 import subprocess
 
-from environment import describe, interpreters, stamps, system
+from environment import interpreters, stamps, system
 from environment.interpreters import Interpreter
 from environment.places import Places
-from environment.ros import ros_environment, RosEnvironment, RosEnvironmentError
+from environment.ros import (
+    describe_sourced,
+    describe_wheels,
+    ros_environment,
+    RosEnvironment,
+    RosEnvironmentError,
+)
 from environment.steps import StepError
 
 # Variables that would affect the venv's Python, pip or colcon in unexpected ways.
@@ -55,8 +61,8 @@ class Plan:
     def description(self) -> RosEnvironment:
         """Describe the current environment."""
         if self.kind == 'sourced':
-            return describe.describe_sourced(self.places, self.python.base_prefix, self.environ)
-        return describe.describe_wheels(self.places, self.python.base_prefix)
+            return describe_sourced(self.places, self.python.base_prefix, self.environ)
+        return describe_wheels(self.places, self.python.base_prefix)
 
     def digest(self, step: str) -> str:
         """Return the digest that the stamp of a step must have to be up to date."""

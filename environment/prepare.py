@@ -20,7 +20,6 @@ from typing import Any
 from environment import (
     clock,
     cmake_notes,
-    describe,
     install_files,
     interpreters,
     messages,
@@ -31,6 +30,7 @@ from environment import (
 from environment.pins import requirements_for
 from environment.places import LOCK_FILE, Places, PROJECT, write_atomically
 from environment.plan import make_plan, Plan
+from environment.ros import trial_of_messages
 from environment.steps import Job, locked, run_steps, Screen, Step, StepError
 
 Needed = Callable[[], bool]
@@ -317,7 +317,7 @@ def package_sources(plan: Plan, job: Job) -> Path:
 def try_imports(plan: Plan, job: Job) -> None:
     """Start a new Python with the described variables, and import ROS and the messages."""
     ros = plan.description()
-    command = [ros.python, '-c', describe.trial_of_messages(ros.package)]
+    command = [ros.python, '-c', trial_of_messages(ros.package)]
     job.run(command, {**plan.clean_environ(), **ros.variables}, 'python')
 
 

@@ -22,9 +22,8 @@ if not __package__:
     # This file runs with -S and -E, to start faster, so sys.path contains only this folder.
     sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
-from environment.describe import join_paths
 from environment.places import PROJECT
-from environment.ros import ros_environment, RosEnvironment, RosEnvironmentError
+from environment.ros import join_paths, ros_environment, RosEnvironment, RosEnvironmentError
 
 PROGRAM = PROJECT / 'roslab' / 'ros2' / '__main__.py'
 PROFILES = PROJECT / 'environment' / 'fastdds.xml'

@@ -10,9 +10,8 @@ import sys
 import sysconfig
 
 from environment import prepare, stamps
-from environment.describe import join_paths
 from environment.plan import Plan
-from environment.ros import ros_environment
+from environment.ros import join_paths, ros_environment
 from environment.steps import run_steps, Screen
 
 

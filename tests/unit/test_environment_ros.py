@@ -7,9 +7,19 @@ import subprocess
 
 import pytest
 
-from environment import describe, install_files
+from environment import install_files
 from environment.places import Places, PROJECT
-from environment.ros import FILE_NAME, ros_environment, RosEnvironment, RosEnvironmentError
+from environment.ros import (
+    _outermost,
+    describe_sourced,
+    describe_wheels,
+    FILE_NAME,
+    join_paths,
+    ros_environment,
+    RosEnvironment,
+    RosEnvironmentError,
+    trial_of_messages,
+)
 
 
 @pytest.fixture
@@ -23,7 +33,7 @@ def places(tmp_path):
 
 
 def test_ros_environment_round_trip_is_equal(places):
-    ros = describe.describe_wheels(places, '/usr')
+    ros = describe_wheels(places, '/usr')
     install_files.write_description(places, ros)
 
     assert ros_environment(places.venv) == ros
@@ -31,10 +41,10 @@ def test_ros_environment_round_trip_is_equal(places):
 
 def test_course_without_a_package_is_described_without_one(places):
     """The trial of such a course imports only rclpy."""
-    ros = describe.describe_wheels(places, '/usr')
+    ros = describe_wheels(places, '/usr')
 
     assert ros.package == ''
-    assert describe.trial_of_messages(ros.package) == 'import rclpy'
+    assert trial_of_messages(ros.package) == 'import rclpy'
 
 
 def test_ros_environment_missing_names_doctor(tmp_path):
@@ -52,7 +62,7 @@ def test_ros_environment_damaged_names_doctor(tmp_path, text):
 
 
 def test_from_json_wrong_type_is_refused(places):
-    text = replace(describe.describe_wheels(places, '/usr'), variables=[]).to_json()
+    text = replace(describe_wheels(places, '/usr'), variables=[]).to_json()
 
     with pytest.raises(ValueError, match='variables'):
         RosEnvironment.from_json(text)
@@ -60,7 +70,7 @@ def test_from_json_wrong_type_is_refused(places):
 
 def test_describe_wheels_has_all_that_a_process_needs(places):
     """Logs go to stdout, message fields are checked, and no Python process re-executes itself."""
-    variables = describe.describe_wheels(places, '/usr').variables
+    variables = describe_wheels(places, '/usr').variables
 
     assert variables['RCUTILS_LOGGING_USE_STDOUT'] == '1'
     assert variables['ROS_PYTHON_CHECK_FIELDS'] == '1'
@@ -72,7 +82,7 @@ def test_describe_wheels_has_all_that_a_process_needs(places):
 
 def test_describe_wheels_only_variables_have_the_workspace(places):
     """A student's package is built without access to the course's own package."""
-    ros = describe.describe_wheels(places, '/usr')
+    ros = describe_wheels(places, '/usr')
 
     assert str(places.prefix) in ros.variables['AMENT_PREFIX_PATH']
     assert str(places.prefix) in ros.variables['PYTHONPATH']
@@ -89,7 +99,7 @@ def test_describe_sourced_keeps_the_shell_without_the_wheels(places):
         'SECRET': 'x',
     }
 
-    ros = describe.describe_sourced(places, '/usr', shell)
+    ros = describe_sourced(places, '/usr', shell)
 
     assert ros.kind == 'sourced'
     assert ros.base_variables['PYTHONPATH'] == shell['PYTHONPATH']
@@ -105,19 +115,19 @@ def test_read_only_has_outermost_folders_without_usr(tmp_path):
     inner = tmp_path / 'a' / 'b'
     inner.mkdir(parents=True)
 
-    folders = describe._outermost([str(inner), str(tmp_path / 'a'), '/usr/bin', '/no/such'])
+    folders = _outermost([str(inner), str(tmp_path / 'a'), '/usr/bin', '/no/such'])
 
     assert folders == [str(tmp_path / 'a')]
 
 
 def test_join_paths_keeps_order_and_drops_repeats():
     """Empty entries, which would mean the current folder, are dropped."""
-    assert describe.join_paths('b:a', ['', 'a'], 'c::b') == 'b:a:c'
+    assert join_paths('b:a', ['', 'a'], 'c::b') == 'b:a:c'
 
 
 def test_kernel_spec_carries_the_environment(places):
     """The kernel needs no variable from the shell, and appends the learner's own PATH."""
-    ros = describe.describe_wheels(places, '/usr')
+    ros = describe_wheels(places, '/usr')
 
     spec = install_files.kernel_spec(ros)
 
@@ -137,7 +147,7 @@ def test_install_files_adapts_jupyterlab(places):
     JupyterLab saves an edited cell before its exercise is checked, and loads the course's style
     sheet, which its own rules do not override.
     """
-    install_files.install_files(places, describe.describe_wheels(places, '/usr'))
+    install_files.install_files(places, describe_wheels(places, '/usr'))
 
     path_file = places.site_packages() / 'ros2_course.pth'
     assert path_file.read_text().splitlines() == [str(places.project), str(PROJECT)]

@@ -8,9 +8,9 @@ import sys
 
 import pytest
 
-from environment import describe, doctor, install_files, ros2_command
+from environment import doctor, install_files, ros2_command
 from environment.places import Places
-from environment.ros import RosEnvironment
+from environment.ros import describe_wheels, RosEnvironment
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def places(tmp_path):
 @pytest.fixture
 def wheels(places):
     """Return the description of an environment that was installed from wheels."""
-    return describe.describe_wheels(places, '/usr')
+    return describe_wheels(places, '/usr')
 
 
 @pytest.fixture

@@ -2,8 +2,9 @@
 
 import pytest
 
-from environment import describe, install_files
+from environment import install_files
 from environment.places import Places
+from environment.ros import describe_wheels
 from roslab import own_kernel
 
 
@@ -11,7 +12,7 @@ from roslab import own_kernel
 def needed(tmp_path, monkeypatch):
     """Return the variables of a prepared venv, which seems to be the running one."""
     places = Places.of('.venv', tmp_path)
-    ros = describe.describe_wheels(places, '/usr')
+    ros = describe_wheels(places, '/usr')
     install_files.write_description(places, ros)
     monkeypatch.setattr('sys.prefix', str(places.venv))
     return ros.variables
