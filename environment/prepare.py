@@ -191,11 +191,7 @@ def make_venv(plan: Plan, job: Job) -> None:
 
 
 def clear_venv(places: Places) -> None:
-    """
-    Empty the folder of the venv except for the notes, which include the log in use.
-
-    :raises StepError: if the folder is a link, or is neither empty nor a virtual environment
-    """
+    """Empty the venv except for the notes, with the log in use; refuse links and other folders."""
     if not places.venv.exists():
         return
     if places.venv.is_symlink():
@@ -290,8 +286,6 @@ def package_sources(plan: Plan, job: Job) -> Path:
 
     A packed package is unpacked in the workspace; its modules are compiled and their sources
     removed.
-
-    :raises StepError: if there is no package, packed or not
     """
     package, name = plan.places.package, plan.places.package_name
     if (package / 'package.xml').is_file():

@@ -62,7 +62,6 @@ class RosEnvironment:
     The interpreter and the variables of a process that can use ROS 2.
 
     :param kind: 'wheels' (from PyPI) or 'sourced' (an installation that was sourced)
-    :param python: interpreter of the prepared virtual environment
     :param variables: variables needed to import rclpy and the course's own package
     :param base_variables: the same variables without the course's workspace, to build student
         packages
@@ -101,12 +100,7 @@ class RosEnvironment:
 
 
 def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
-    """
-    Return the ROS environment of a virtual environment, by default that of this Python.
-
-    :raises RosEnvironmentError: if it is missing or unreadable; the message gives the command to
-        run
-    """
+    """Return a venv's ROS environment, by default this Python's; raise a RosEnvironmentError."""
     path = Path(venv or sys.prefix) / FILE_NAME
     try:
         return RosEnvironment.from_json(path.read_text(encoding='utf-8'))

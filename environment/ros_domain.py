@@ -25,11 +25,7 @@ class Claim(NamedTuple):
 
 
 def claim(domains: Iterable[int]) -> Claim | None:
-    """
-    Claim the first of the domains that no process has claimed, None if there is none.
-
-    :raises OSError: if this system has no abstract sockets
-    """
+    """Claim the first free domain, or None; raise an OSError if there are no abstract sockets."""
     for domain in domains:
         holder = socket.socket(socket.AF_UNIX)
         try:

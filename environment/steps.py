@@ -81,11 +81,7 @@ class Job:
         what: str = '',
         cwd: Path | None = None,
     ) -> None:
-        """
-        Run a command with its output in the log; errors call it ``what``.
-
-        :raises StepError: if the command does not exist or fails
-        """
+        """Run a command with its output in the log; a StepError calls the command ``what``."""
         name = what or Path(command[0]).name
         print('$', *command, file=self.log, flush=True)
         try:
@@ -123,7 +119,6 @@ class Step:
     One step of the set-up.
 
     :param name: name of its log and stamp
-    :param title: text that the user sees
     :param needed: returns whether the step must run; called after the previous steps
     :param run: does the work; raises StepError
     :param digest: returns the digest of the step's inputs, with which it is stamped when it has
@@ -146,12 +141,7 @@ class Step:
 def run_steps(
     steps: Sequence[Step], notes: Path, screen: Screen, keep_open: tuple[int, ...] = ()
 ) -> bool:
-    """
-    Run the steps that are needed, in order.
-
-    :param notes: folder of the stamps and, in ``logs``, of the log files
-    :returns: False if a step that is not optional failed; the failure was already printed
-    """
+    """Run the steps that are needed; return False, after printing why, if a required one fails."""
     for number, step in enumerate(steps, start=1):
         # Computed before the step runs: if its inputs change meanwhile, the next run repeats it.
         digest = step.digest() if step.digest else ''

@@ -13,15 +13,7 @@ from environment.steps import Job, StepError
 
 @dataclass(frozen=True)
 class Tool:
-    """
-    A program that the system provides.
-
-    :param title: name shown to users
-    :param command: name of the executable on the PATH
-    :param apt: name of the Debian and Ubuntu package
-    :param dnf: name of the Fedora package
-    :param required: whether the set-up stops without it
-    """
+    """A program that the system provides; ``required`` if the set-up stops without it."""
 
     title: str
     command: str

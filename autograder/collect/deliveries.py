@@ -88,7 +88,6 @@ class Delivery:
     :param refused: why the delivery is not collected: its owner is unclear, or it has no files,
         only typed text; else empty
     :param owners: ids of the system users who own the folder and its contents, if known
-    :param notes: notes for the table
     """
 
     student: str

@@ -160,7 +160,6 @@ def save_copy(layout: Layout) -> Path | None:
 
     :returns: path of a copy with the current content; None if the gradebook is on a server or has
         no submission
-    :raises GraderError: if the gradebook is damaged, or no copy can be written
     """
     path = gradebook_file(layout)
     if path is None or not path.is_file():
@@ -225,8 +224,6 @@ def refuse_damaged(layout: Layout) -> None:
     Refuse a gradebook file that is damaged, or is empty although it had submissions before.
 
     A missing file is accepted: an instructor removes the file to start a new gradebook.
-
-    :raises GraderError: if the file is refused; the error names the newest copy, if there is one
     """
     path = gradebook_file(layout)
     if path is None or not path.is_file():

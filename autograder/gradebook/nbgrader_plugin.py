@@ -1,17 +1,10 @@
 """
 Plug-ins that replace steps of nbgrader's commands; ``nbgrader_config.py`` names them.
 
-nbgrader itself runs student code and tests in one kernel and trusts the outputs.  Instead:
-
-* :class:`SubmissionExporter` reads the submitted file, whatever it contains, and continues with
-  the release plus the student's answers;
-* :class:`GradeOutside` replaces nbgrader's execution of the notebook: it grades in the sandbox
-  and writes each check cell's feedback and score as outputs;
-* :class:`SaveGrades` records scores, names and extra time; a cell without a score needs manual
-  grading;
-* :class:`ClearSolutionsByKind` creates the stubs of a release.
-
-nbgrader's formgrader, feedback and export work unchanged.
+nbgrader itself runs student code and tests in one kernel and trusts the outputs.  Instead, these
+plug-ins rebuild the notebook from the release and the student's answers, grade it in the sandbox,
+and write each check cell's feedback and score as outputs.  nbgrader's formgrader, feedback and
+export work unchanged.
 """
 
 from pathlib import Path

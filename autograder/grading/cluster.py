@@ -147,11 +147,7 @@ def about() -> bytes:
 
 
 def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
-    """
-    Return the common isolation mode of all workers, from the results of :func:`about`.
-
-    :raises ClusterUnavailable: if hidden exams are not protected, or modes or versions differ
-    """
+    """Return the mode of all workers; refuse unequal modes or versions, and unprotected exams."""
     first = ''
     for worker, found in answers.items():
         where = f'Worker {worker} on {found["host"]}'

@@ -49,7 +49,6 @@ def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') ->
 
     If the sandbox cannot hide files from programs, the engine uses the visible exams.
 
-    :param allow_weak: see :func:`autograder.sandboxes.choose.strongest`
     :raises SandboxUnavailable: if no accepted isolation mode works
     """
     from autograder.grading.examine import Engine
@@ -84,9 +83,8 @@ class Graded:
 
 def load_lesson(layout: Layout, assignment: str, engine: Engine | None = None) -> Lesson:
     """
-    Read the release and the exams of an assignment.
+    Read the release and the exams of an assignment: the engine's, or else the hidden exams.
 
-    :param engine: provides the exams; None for the hidden exams of the course
     :raises GraderError: if the release or an exam cannot be used
     """
     try:
@@ -128,7 +126,6 @@ def grade_class(
     """
     Grade a class; submissions with equal files share one run.
 
-    :param jobs: maximum number of parallel runs
     :param on_done: called with the student and the outcome after each exam, in any thread
     :param on_graded: called for each graded submission in this thread, while other runs continue
     :returns: the results in the order of the submissions

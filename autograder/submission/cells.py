@@ -63,12 +63,7 @@ class CellSyntaxError(ValueError):
 
 
 class NotALetterError(ValueError):
-    """
-    Report that the answer to a multiple-choice question is not one of its letters.
-
-    :param reason: short stable name of the mistake
-    :param text: a description of the answer, for a message
-    """
+    """Report an answer that is no letter; ``reason`` is a stable name, ``text`` for a message."""
 
     def __init__(self, reason: str, text: str) -> None:
         super().__init__(f"expected 'a', 'b', 'c' or 'd', got {text}")
@@ -105,11 +100,7 @@ class CellFile:
 
 
 def parse_cell(source: str) -> CellFile | None:
-    """
-    Parse the text of a code cell as a file; return None if it has no magic line of the course.
-
-    :raises CellSyntaxError: if the magic line does not name a valid file
-    """
+    """Parse a cell as a file, None without a magic line of the course; raise CellSyntaxError."""
     source = source.replace('\r\n', '\n')
     line, start = first_line(source)
     word, _, name = line.replace('\t', ' ').partition(' ')

@@ -143,13 +143,11 @@ def named_id(text: str) -> str:
 
 def student_id(name: str) -> str:
     """
-    Return a student id for a name: the name itself if it is a valid id.
+    Return a student id for a name: the name itself if it is a valid id, else one with a digest.
 
     Letters of all alphabets are kept, with their combining characters.  If characters must be
     replaced, the id ends with a digest of the name.  So different names have different ids, and an
-    id does not depend on the other students.
-
-    :returns: empty if the name has no letter or digit
+    id does not depend on the other students.  A name without a letter or digit has the id ''.
     """
     text = unicodedata.normalize('NFC', name)
     kept = ''.join(char if is_letter(char) or char in ' .@-' else '_' for char in text)

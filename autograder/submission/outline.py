@@ -18,12 +18,7 @@ _MINUTES_TITLE = re.compile(r'^\| *Part *\|.*\| *Minutes *\|$', re.MULTILINE)
 
 @dataclass(frozen=True)
 class Part:
-    """
-    One section of a lesson, below a heading of the second level.
-
-    :param checks: points of the exercises, by the name of the exam
-    :param quizzes: keys of the multiple-choice questions
-    """
+    """A section of a lesson, below a second-level heading: points by exam, and keys of quizzes."""
 
     heading: str
     checks: dict[str, float] = field(default_factory=dict)

@@ -54,11 +54,7 @@ def is_left_out(name: str) -> bool:
 
 
 def read_package(folder: Path) -> dict[str, str]:
-    """
-    Return the contents of a package's files, keyed by the paths that exams use.
-
-    :raises UnusableUploadError: if a file or folder is a link
-    """
+    """Return the texts of a package by the paths that exams use; refuse links as unusable."""
     found: dict[str, str] = {}
     for path in sorted(folder.rglob('*')):
         inside = path.relative_to(folder)

@@ -82,15 +82,10 @@ class Bounds(NamedTuple):
     """
     Limits for reading a source.
 
-    :param what: a description of the expected source
-    :param fix: what to try if the source is not the expected one
     :param is_noise: returns whether a path is generated; called with a path whose parents are not
         generated, and with the folders that contain ``COLCON_IGNORE``
     :param entries: maximum number of files and folders without generated ones
     :param listed: maximum number of all files and folders
-    :param file_bytes: maximum size of one file
-    :param whole_bytes: maximum total size of all files
-    :param name_chars: maximum length of a path
     """
 
     what: str
