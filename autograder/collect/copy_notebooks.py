@@ -17,11 +17,10 @@ from autograder.classroom.people import extensions
 from autograder.collect import deliveries
 from autograder.collect.course import Course
 from autograder.collect.owners import check_names, check_owners
-from autograder.collect.platforms import EXCHANGE
+from autograder.collect.platforms import EXCHANGE, read_time
 from autograder.collect.recognise import find_deliveries, FOLDER
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
-from autograder.collect.times import read_time
 from autograder.files import write_atomically
 from autograder.layout import Layout
 from autograder.submission.inbox import SECRET, STAMP

@@ -28,6 +28,7 @@ Source: nbgrader 0.9, nbgrader/exchange/default/submit.py.
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from datetime import datetime, timezone
 import math
 import re
 from typing import Any, NamedTuple
@@ -36,7 +37,6 @@ import yaml
 
 from autograder.collect.deliveries import DeliveredFile, Delivery, Level, System
 from autograder.collect.table import Row, unclaimed
-from autograder.collect.times import read_time
 from autograder.submission.reading import File, UnreadableError, UnusableUploadError
 
 _AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')
@@ -164,6 +164,41 @@ def _read_moodle(level: Level) -> Iterator[Delivery]:
         why = _TYPED_INTO_MOODLE.get(kind, f'Moodle type {kind}, not a file')
         files = () if why else tuple(found)
         yield Delivery(name, files, place, name, refused=why, number=number)
+
+
+_TIME = re.compile(r'(\d{4}-\d\d-\d\d)[ T](\d\d:\d\d)(:\d\d)?(?:\.\d+)? ?(\S.*)?')
+_ZONE = re.compile(r'UTC|GMT|Z|([+-]\d\d):?(\d\d)?', re.IGNORECASE)
+
+
+def read_time(value: object) -> tuple[datetime | None, str]:
+    """
+    Read a time as nbgrader and Gradescope write it.
+
+    Offsets and UTC are accepted, but no other names of time zones: CST alone has four meanings.
+
+    :param value: a string, the content of a file, a datetime from YAML, or None; without a time
+        zone it is in UTC
+    :returns: the time in UTC or None, and a note if the value was not understood
+    """
+    try:
+        if isinstance(value, datetime):
+            found = value if value.tzinfo else value.replace(tzinfo=timezone.utc)
+            return found.astimezone(timezone.utc), ''
+        if isinstance(value, bytes):
+            value = value[:100].decode('utf-8', 'replace')
+        text = value.strip() if isinstance(value, str) else ''
+        match = _TIME.fullmatch(text)
+        if match is None:
+            return None, f'time {text[:40]!r} not understood, ignored' if text else ''
+        day, minute, second, name = match.groups()
+        zone = _ZONE.fullmatch(name or 'UTC')
+        if zone is None:
+            return None, f'time zone {name[:20]} not understood, ignored'
+        offset = f'{zone[1] or "+00"}:{zone[2] or "00"}'
+        found = datetime.fromisoformat(f'{day} {minute}{second or ":00"}{offset}')
+        return found.astimezone(timezone.utc), ''
+    except (ValueError, OverflowError):  # The date does not exist, or is before the year 1.
+        return None, f'time {str(value)[:40]!r} not understood, ignored'
 
 
 METADATA = 'submission_metadata.yml'

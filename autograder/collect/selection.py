@@ -23,8 +23,8 @@ from typing import NamedTuple
 
 from autograder.collect.course import Course
 from autograder.collect.deliveries import Delivery
+from autograder.collect.platforms import read_time
 from autograder.collect.table import LEFT, Row, TAKEN
-from autograder.collect.times import late_notes, read_time
 from autograder.results import first_of
 from autograder.submission.inbox import STAMP
 from autograder.submission.reading import File, UnreadableError, UnusableUploadError
@@ -258,6 +258,17 @@ def _why_another(one: NotebookInfo, best: NotebookInfo) -> str:
         return f'{one.file.path[:80]}: {best.file.path} was collected'
     odd = best.shared and not one.shared
     return 'a different notebook was collected' if odd else 'a newer notebook was collected'
+
+
+def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[str, ...]:
+    """Return notes about late work; ``late`` names the platform that marks the work as late."""
+    if when and due and when > due:
+        minutes = int((when - due).total_seconds()) // 60
+        parts = ((minutes // 1440, 'd'), (minutes // 60 % 24, 'h'), (minutes % 60, 'min'))
+        length = ' '.join(f'{count} {unit}' for count, unit in parts if count)
+        return (f'late by {length or "less than a minute"}',)
+    unknown = '' if when else '; the time is unknown, so a late policy cannot apply'
+    return (f'late, according to {late}{unknown}',) if late else ()
 
 
 def _time(best: NotebookInfo, assignment: str) -> tuple[datetime | None, tuple[str, ...]]:

@@ -12,7 +12,7 @@ from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.times import due_dates
+from autograder.collect.course import due_dates
 from autograder.commands.forget import find_student, traces
 from autograder.errors import GraderError
 from autograder.exports.marks import from_gradebook, GRADED

@@ -20,8 +20,10 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
+from autograder.collect.course import due_dates
+from autograder.collect.platforms import read_time
+from autograder.collect.selection import late_notes
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
-from autograder.collect.times import due_dates, late_notes, read_time
 from autograder.commands import OK
 from autograder.layout import Layout
 from autograder.submission import inbox

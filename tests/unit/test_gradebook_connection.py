@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from autograder.collect.times import due_dates
+from autograder.collect.course import due_dates
 from autograder.errors import GraderError
 from autograder.gradebook.database import connected
 from autograder.gradebook.journal import (
