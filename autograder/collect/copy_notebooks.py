@@ -1,5 +1,5 @@
 """
-Collect a class's work: read a source, copy the selected notebooks, and list all other work.
+Collect a class's work: read a source, copy the selected notebooks, and print a table.
 
 Each file is written atomically.  Collecting Monday's zip after Tuesday's changes nothing: if the
 times of both notebooks are known, an older notebook does not replace a newer copy.  If either time
@@ -7,20 +7,27 @@ is unknown, as with Canvas, Moodle and repositories, the new notebook replaces t
 in the table reports this.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 import os
 from pathlib import Path
+import sys
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from autograder.classroom.collected import read_collected, save_collected, Work
 from autograder.classroom.people import extensions
 from autograder.collect import deliveries
 from autograder.collect.course import Course
+from autograder.collect.deliveries import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
 from autograder.collect.owners import check_names, check_owners
 from autograder.collect.platforms import EXCHANGE, read_time
 from autograder.collect.recognise import find_deliveries, FOLDER
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
-from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
+from autograder.explaining.feedback import printable
 from autograder.files import write_atomically
 from autograder.layout import Layout
 from autograder.submission.inbox import SECRET, STAMP
@@ -175,3 +182,22 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
     if there is None:
         return TAKEN if time_there is None else REPLACED, ''
     return REPLACED, '' if same or (new and old) else 'it is unknown which notebook is newer'
+
+
+def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
+    """Print the table and a summary; control characters in names are replaced."""
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    table = Table()
+    for title in ('Student', 'Assignment', 'Done', 'Handed in', 'From', 'Notes'):
+        table.add_column(title, overflow='fold')
+    for row in rows:
+        student = f'{row.student} ({row.person})' if row.person else row.student
+        notes = '; '.join(row.notes)
+        cells = (student, row.assignment, row.done, row.handed_in, row.place, notes)
+        table.add_row(*(Text(printable(cell)) for cell in cells))
+    console.print(table)
+    counts = Counter(row.done for row in rows)
+    said = ', '.join(f'{count} {done}' for done, count in sorted(counts.items()))
+    where = f'Folder: {to}' if written else 'Nothing was written (--dry-run)'
+    summary = f'{said or "no submissions"}. {where}. Times are UTC.'
+    console.print(summary, markup=False, highlight=False, soft_wrap=True)

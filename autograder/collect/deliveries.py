@@ -1,5 +1,5 @@
 """
-List the entries of a source; define entries and deliveries, the data types of all platforms.
+List the entries of a source; define entries, deliveries and the rows of the table about them.
 
 The platform chose the names of the entries at one :data:`Level` of a source.  Students chose all
 names below that level, so these names never show who handed in a file.
@@ -11,7 +11,6 @@ from datetime import datetime
 from functools import cached_property
 from typing import NamedTuple
 
-from autograder.collect.table import Row
 from autograder.submission.inbox import student_id
 from autograder.submission.notebook import MAX_BYTES
 from autograder.submission.reading import Bounds, File, Parts, Tree
@@ -31,6 +30,7 @@ Students may use these names too, so such a folder is skipped only if it contain
 file or is directly in the workspace of the lessons.
 """
 _WORKSPACE = 'ros_ws'
+TAKEN, REPLACED, UNCHANGED, LEFT = 'taken', 'replaced', 'unchanged', 'not taken'
 
 
 def _is_noise(parts: Parts, marked: Collection[Parts]) -> bool:
@@ -69,6 +69,32 @@ class DeliveredFile(NamedTuple):
     file: File
     place: str
     turn: int = 0
+
+
+@dataclass(frozen=True)
+class Row:
+    """
+    One row of the table.
+
+    :param student: student id, empty if it is not known
+    :param place: the entry of the source
+    :param done: :data:`TAKEN`, :data:`REPLACED`, :data:`UNCHANGED` or :data:`LEFT`
+    :param person: the student's name, if the id is not a name
+    :param handed_in: time of delivery in UTC to the minute, empty if it is not known
+    """
+
+    student: str
+    assignment: str
+    place: str
+    done: str
+    notes: tuple[str, ...] = ()
+    person: str = ''
+    handed_in: str = ''
+
+
+def unclaimed(place: str, why: str) -> Row:
+    """Return the row of an entry that belongs to no known student."""
+    return Row('', '', place, LEFT, (why,))
 
 
 @dataclass(eq=False)

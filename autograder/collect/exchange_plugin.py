@@ -13,8 +13,8 @@ from traitlets import Dict
 
 from autograder.classroom.course_lock import lock_course
 from autograder.collect.copy_notebooks import collect
+from autograder.collect.deliveries import LEFT
 from autograder.collect.platforms import EXCHANGE, INBOUND
-from autograder.collect.table import LEFT
 from autograder.errors import GraderError
 from autograder.explaining.feedback import printable
 from autograder.gradebook.nbgrader_plugin import course_of

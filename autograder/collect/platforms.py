@@ -35,8 +35,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from autograder.collect.deliveries import DeliveredFile, Delivery, Level, System
-from autograder.collect.table import Row, unclaimed
+from autograder.collect.deliveries import DeliveredFile, Delivery, Level, Row, System, unclaimed
 from autograder.submission.reading import File, UnreadableError, UnusableUploadError
 
 _AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')

@@ -17,9 +17,16 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from autograder.collect.course import Course
-from autograder.collect.deliveries import Delivery, Entry, Level, level, only_folder
+from autograder.collect.deliveries import (
+    Delivery,
+    Entry,
+    Level,
+    level,
+    only_folder,
+    Row,
+    unclaimed,
+)
 from autograder.collect.platforms import EXCHANGE, FOLDERS, INBOUND, SYSTEMS
-from autograder.collect.table import Row, unclaimed
 from autograder.explaining.feedback import printable
 from autograder.results import first_of
 from autograder.submission.inbox import STAMP

@@ -22,9 +22,8 @@ from statistics import multimode
 from typing import NamedTuple
 
 from autograder.collect.course import Course
-from autograder.collect.deliveries import Delivery
+from autograder.collect.deliveries import Delivery, LEFT, Row, TAKEN
 from autograder.collect.platforms import read_time
-from autograder.collect.table import LEFT, Row, TAKEN
 from autograder.results import first_of
 from autograder.submission.inbox import STAMP
 from autograder.submission.reading import File, UnreadableError, UnusableUploadError

@@ -15,7 +15,7 @@ from nbgrader.apps.api import NbGraderAPI
 import pytest
 
 from autograder.collect.copy_notebooks import collect
-from autograder.collect.table import LEFT, TAKEN
+from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.gradebook.database import load_config
 from autograder.layout import Layout
 from autograder.submission.inbox import SECRET

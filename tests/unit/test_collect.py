@@ -28,9 +28,8 @@ from autograder.classroom.collected import read_not_collected
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.deliveries import BOUNDS
+from autograder.collect.deliveries import BOUNDS, LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.collect.recognise import recognise_platform
-from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import FOR_REVIEW, OK
 from autograder.layout import Layout
 from autograder.results import SubmissionResult

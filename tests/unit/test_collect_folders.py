@@ -19,7 +19,7 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect.table import LEFT, TAKEN
+from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.submission.reading import UnusableUploadError
 
 

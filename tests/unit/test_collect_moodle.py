@@ -17,7 +17,7 @@ from collect_sources import (
 import pytest
 
 from autograder.collect.copy_notebooks import collect
-from autograder.collect.table import LEFT, TAKEN
+from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.errors import GraderError
 
 

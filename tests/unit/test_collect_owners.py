@@ -16,8 +16,8 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.collect.copy_notebooks import collect
+from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.collect.owners import owner_doubt, user_name
-from autograder.collect.table import LEFT, TAKEN
 from autograder.commands import OK
 from autograder.errors import GraderError
 from autograder.layout import Layout

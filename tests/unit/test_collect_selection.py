@@ -23,7 +23,7 @@ from collect_sources import (
 import pytest
 
 from autograder.collect import selection
-from autograder.collect.table import LEFT, TAKEN
+from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.submission.reading import UnusableUploadError
 
 STRANGE = 'it contains no cell of the assignment'

@@ -22,7 +22,7 @@ from collect_sources import (
 import pytest
 
 from autograder.classroom.collected import read_not_collected
-from autograder.collect.table import LEFT, TAKEN
+from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.submission.reading import UnusableUploadError
 
 LATE = 'late, according to Canvas; the time is unknown, so a late policy cannot apply'

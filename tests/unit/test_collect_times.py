@@ -21,9 +21,9 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.collect.course import due_dates
+from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.collect.platforms import read_time
 from autograder.collect.selection import late_notes
-from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import OK
 from autograder.layout import Layout
 from autograder.submission import inbox

@@ -6,7 +6,7 @@ import pytest
 from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.people import read_people, student_named
 from autograder.collect.copy_notebooks import collect
-from autograder.collect.table import TAKEN, UNCHANGED
+from autograder.collect.deliveries import TAKEN, UNCHANGED
 from autograder.errors import GraderError
 from autograder.submission.inbox import student_id
 
