@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from concurrent.futures import CancelledError
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 import json
 import socket
 from typing import Any, TYPE_CHECKING
@@ -79,12 +79,9 @@ def cluster_engine(
 
     with _connected(address) as client:
         mode = mode_of_all(_ask_all(client, address))
-        cluster = Cluster(client)
-        engine = Engine(Sandbox(mode), layout.recordings, fresh, remote=cluster.run)
-        try:
+        with closing(Cluster(client)) as cluster:
+            engine = Engine(Sandbox(mode), layout.recordings, fresh, remote=cluster.run)
             yield engine, cluster.width
-        finally:
-            cluster.close()
 
 
 @contextmanager
@@ -103,10 +100,8 @@ def _connected(address: str) -> Iterator[Any]:
             f'({type(error).__name__}).',
             'Try: start it as docs/cluster.md describes, and use the address that it prints',
         ) from error
-    try:
+    with closing(client):
         yield client
-    finally:
-        client.close()
 
 
 def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
