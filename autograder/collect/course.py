@@ -1,4 +1,4 @@
-"""The assignments of a course: due dates, grade ids and file names, which identify a notebook."""
+"""The assignments of a course: due dates, and ids and file names that identify a notebook."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

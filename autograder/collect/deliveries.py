@@ -1,5 +1,5 @@
 """
-List the entries of a source; define entries, deliveries and the rows of the table about them.
+List the entries of a source; define entries, deliveries and rows of the table.
 
 The platform chose the names of the entries at one :data:`Level` of a source.  Students chose all
 names below that level, so these names never show who handed in a file.

@@ -143,7 +143,7 @@ def named_id(text: str) -> str:
 
 def student_id(name: str) -> str:
     """
-    Return a student id for a name: the name itself if it is a valid id, else one with a digest.
+    Return a student id for a name: the name itself if it is valid, else one with a digest.
 
     Letters of all alphabets are kept, with their combining characters.  If characters must be
     replaced, the id ends with a digest of the name.  So different names have different ids, and an

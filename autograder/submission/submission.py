@@ -1,5 +1,5 @@
 """
-Convert submitted bytes to a notebook that the grader trusts, and find the files of exams in it.
+Rebuild submitted bytes as a notebook that the grader trusts, and find the files of exams.
 
 The grader keeps only the text of answer cells.  Everything else in a submitted notebook (outputs,
 tags, metadata, changed tests, extra cells) is dropped, because it could affect nbgrader and
@@ -196,7 +196,7 @@ def _about(released: StudentCell, copies: Sequence[StudentCell]) -> Iterator[str
 @dataclass(frozen=True)
 class ExamFiles:
     """
-    The files that one exam judges, and a problem per answer cell that is not the expected file.
+    The files that one exam judges, and one problem per answer cell with a different file.
 
     :param files: relative path to text; a missing answer has no entry
     """
