@@ -53,7 +53,8 @@ def collect(
     :param kind: platform of the source; empty to recognise it
     :param write: False to only report what would be done
     :param prefix: the prefix to remove from the names of students' folders
-    :param trust_names: whether to collect deliveries of an exchange that other users own
+    :param trust_names: whether to collect deliveries of an exchange that other users own, and
+        those of a second activity in Moodle
     :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` or the file
         of saved work is wrong
     """
@@ -71,7 +72,7 @@ def collect(
             assignment = most_common_assignment(notebooks.values(), course, tree.name)
             for one in found:
                 one.assignment = assignment
-        shared = check_names(found, read_collected(layout))
+        shared = check_names(found, read_collected(layout), trust_names)
         chosen, others = choose(notebooks, course, single)
         done = [(one, _take(one, course, to, write)) for one in chosen]
         rows = [*_refused(tree), *unknown, *others, *(row for _, row in done)]

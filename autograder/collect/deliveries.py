@@ -8,7 +8,6 @@ names below that level, so these names never show who handed in a file.
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from functools import cached_property
 from typing import NamedTuple
 
 from autograder.submission.inbox import student_id
@@ -104,7 +103,8 @@ class Delivery:
 
     :param student: the student as named in the source; :attr:`id` is the student id
     :param called: the whole name in the source, if ``student`` is a part of it
-    :param number: the student's number in Moodle, which differs in each assignment
+    :param number: the student's number in Moodle, which differs in each activity
+    :param known: the student id, if it was found by the number and not by the name
     :param place: name of the entry of the source, if there are no files
     :param person: the student's name, if the id is not a name
     :param when: time of delivery in UTC, None if it is unknown
@@ -128,12 +128,13 @@ class Delivery:
     notes: tuple[str, ...] = ()
     called: str = ''
     number: str = ''
+    known: str = ''
     owners: frozenset[int] = frozenset()
 
-    @cached_property
+    @property
     def id(self) -> str:
         """Return the student id, empty if the name has no letter or digit."""
-        return student_id(self.student)
+        return self.known or student_id(self.student)
 
     @property
     def places(self) -> tuple[str, ...]:

@@ -38,8 +38,8 @@ from autograder.layout import Layout
     ),
     flag(
         '--trust-names',
-        "trust the folder names in nbgrader's exchange, without checking who owns the folders "
-        '(see docs/exchange.md)',
+        "trust the names: do not check who owns the folders in nbgrader's exchange "
+        '(see docs/exchange.md), or whether known students have new numbers in Moodle',
     ),
     TO_SUBMITTED,
     flag('--dry-run', 'print the table and write nothing'),

@@ -16,6 +16,7 @@ from collect_sources import (
 )
 import pytest
 
+from autograder.classroom.collected import read_collected
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.errors import GraderError
@@ -100,9 +101,43 @@ class TestMoodle:
 
         assert row.done == LEFT
         assert row.notes[0].startswith(
-            "perhaps a different 'Li Wei': number 314 in Moodle, earlier 313"
+            "perhaps a different 'Li Wei': number 314 in Moodle, earlier 313. Try: if Moodle has "
+            'two assignments for this work, add --trust-names; '
         )
         assert taken(layout)[f'Li Wei/{TALK}/talk.ipynb'] == GOOD
+
+    def test_a_second_activity_has_new_numbers(self, tmp_path, layout):
+        """The first download can then be collected again, and one student more is not trusted."""
+        who = ('Ann', 'Bo', 'Cy', 'Dee')
+        first = self.of_moodle(tmp_path / '1.zip', *(f'{one}_{n}' for n, one in enumerate(who)))
+        second = self.of_moodle(tmp_path / '2.zip', 'Ann_20', 'Bo_21', 'New_22')
+        more = self.of_moodle(tmp_path / '3.zip', 'Ann_20', 'Bo_21', 'Cy_23')
+        for source in (first, second, first, second):
+            rows = collect(source, layout, layout.submitted)
+            assert LEFT not in {row.done for row in rows}
+
+        rows = collect(more, layout, layout.submitted)
+        assert [row.student for row in rows if row.done == LEFT] == ['Cy']
+        rows = collect(more, layout, layout.submitted, trust_names=True)
+        assert LEFT not in {row.done for row in rows}
+        numbers = {one.student: one.number for one in read_collected(layout)}
+        assert numbers == {'Ann': '0 20', 'Bo': '1 21', 'Cy': '2 23', 'Dee': '3', 'New': '22'}
+
+    def test_folders_are_renamed_only_once(self, tmp_path, layout):
+        """Later downloads have the same numbers; in another lesson, the name is not enough."""
+        renamed = self.of_moodle(tmp_path / '1.zip', 'Li Wei 7_313', "O'Neil 8_314", 'Ann_311')
+        later = self.of_moodle(
+            tmp_path / '2.zip', 'Li Wei_313', "O'Neil_314", 'Ann_311', data=notebook('talker')
+        )
+        data = notebook('listener')
+        other = self.of_moodle(tmp_path / '3.zip', 'Li Wei_501', file='listen.ipynb', data=data)
+        before = {row.student for row in collect(renamed, layout, layout.submitted)}
+
+        rows = collect(later, layout, layout.submitted)
+        assert {row.student for row in rows} == before
+        assert "the name was 'Li Wei'" in notes(rows)['Li Wei_313_assignsubmission_file']
+        (row,) = collect(other, layout, layout.submitted)
+        assert row.notes[0].startswith("two people are called 'Li Wei': unpack the zip")
 
     def test_another_lesson_has_other_numbers(self, tmp_path, layout):
         """A student's number differs between lessons, and a dry run saves no numbers."""
