@@ -33,6 +33,7 @@ class Work:
     :param kind: platform of the collected work, such as ``canvas``
     :param place: name of the collected notebook's file or folder in the source
     :param number: the student's numbers in Moodle, one from each activity, separated by spaces
+    :param turn: the number of the collected file in Canvas, which is larger for newer files
     :param why: why the work was not collected, without a full stop; empty if it was
     :param handed_in: time of delivery of uncollected work in UTC, empty if it is not known
     :param shared: whether two people have this student id; such an entry is about no work
@@ -47,6 +48,7 @@ class Work:
     why: str = ''
     handed_in: str = ''
     shared: bool = False
+    turn: str = ''
 
     @property
     def reason(self) -> str:

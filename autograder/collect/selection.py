@@ -69,11 +69,13 @@ class Chosen(NamedTuple):
 
     :param when: time of delivery in UTC, None if it is not known
     :param row: its row in the table, before the notebook is written
+    :param turn_there: turn of the notebook that was collected earlier, 0 if it is not known
     """
 
     notebook: NotebookInfo
     when: datetime | None
     row: Row
+    turn_there: int = 0
 
 
 def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[NotebookInfo]:

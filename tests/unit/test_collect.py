@@ -270,7 +270,7 @@ class TestHostileSources:
 
 
 def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
-    """Newer work replaces the old work atomically and leaves no other file."""
+    """The old work is kept where nbgrader and the grader do not look, and leaves with the rest."""
     collect(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}), layout, layout.submitted)
     newer = notebook('talker', text='newer')
     laid(tmp_path / 's', {'ann/talk.ipynb': newer})
@@ -278,7 +278,12 @@ def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
     (row,) = collect(tmp_path / 's', layout, layout.submitted)
 
     assert row.done == REPLACED
-    assert taken(layout) == {f'ann/{TALK}/talk.ipynb': newer}
+    kept = f'ann/{TALK}/.ipynb_checkpoints/talk-replaced.ipynb'
+    assert taken(layout) == {kept: GOOD, f'ann/{TALK}/talk.ipynb': newer}
+    (found,) = discover(layout.submitted, TALK, 'talk.ipynb')
+    assert found.path == layout.submitted / 'ann' / TALK / 'talk.ipynb'
+    (row,) = collect(layout.submitted, layout, tmp_path / 'again')
+    assert row.notes == ()
 
 
 def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):

@@ -22,7 +22,7 @@ from collect_sources import (
 import pytest
 
 from autograder.classroom.collected import read_not_collected
-from autograder.collect.deliveries import LEFT, TAKEN
+from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.submission.reading import UnusableUploadError
 
 LATE = 'late, according to Canvas; the time is unknown, so a late policy cannot apply'
@@ -56,6 +56,35 @@ class TestCanvas:
             "the file was called 'My work (2).ipynb'",
         )
         assert b'second' in taken(layout)[f'1001/{TALK}/talk.ipynb']
+
+    def test_an_old_download_replaces_nothing_that_is_newer(self, tmp_path, layout):
+        """Canvas gives each file that is handed in again a larger number."""
+        numbers = (99, 100, 101)
+        old, new, newest = (
+            packed(
+                tmp_path / f'{n}.zip',
+                {f'ann_1001_{n}_talk.ipynb': notebook('talker', text=f'{n}')},
+            )
+            for n in numbers
+        )
+        done = []
+        for source in (new, old, new, newest, new):
+            (row,) = collect(source, layout, layout.submitted)
+            done.append(row.done)
+
+        assert done == [TAKEN, LEFT, UNCHANGED, REPLACED, LEFT]
+        assert row.notes[0] == (
+            'number 100 in Canvas, older than the collected one, which has 101. '
+            'Try: to collect it anyway, delete the collected one'
+        )
+        assert b'101' in taken(layout)[f'1001/{TALK}/talk.ipynb']
+        assert not read_not_collected(layout)
+        folder = laid(tmp_path / 's', {'1001/talk.ipynb': GOOD, '1002/talk.ipynb': GOOD})
+        collect(folder, layout, layout.submitted)
+        (row,) = collect(old, layout, layout.submitted)
+        assert row.notes == (
+            'it is unknown which notebook is newer; the other one is now in .ipynb_checkpoints/',
+        )
 
     def test_attachments_are_compared_as_numbers(self, tmp_path, layout):
         """Attachment 99 is older than 100, and the newest counts even if a cell was deleted."""

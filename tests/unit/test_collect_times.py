@@ -20,6 +20,7 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
+from autograder.collect.copy_notebooks import KEPT
 from autograder.collect.course import due_dates
 from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.collect.platforms import read_time
@@ -28,6 +29,7 @@ from autograder.commands import OK
 from autograder.layout import Layout
 from autograder.submission import inbox
 
+UNKNOWN = f'it is unknown which notebook is newer; the other one is now in {KEPT}/'
 NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
 
 
@@ -243,7 +245,7 @@ class TestOlderWork:
 
         (row,) = collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
 
-        assert (row.done, row.notes) == (REPLACED, ('it is unknown which notebook is newer',))
+        assert (row.done, row.notes) == (REPLACED, (UNKNOWN,))
         assert b'2026-03-02' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
 
@@ -264,8 +266,14 @@ class TestStaleTime:
         rows = collect(newer, layout, layout.submitted)
 
         assert [row.done for row in dry] == [row.done for row in rows] == [REPLACED]
-        assert rows[0].notes == dry[0].notes == ('it is unknown which notebook is newer',)
-        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
+        removed = 'the time of the replaced notebook, 2026-03-01 12:00, was removed'
+        assert rows[0].notes == dry[0].notes == (f'{UNKNOWN}; {removed}',)
+        assert taken(layout) == {
+            f'ann/{TALK}/{KEPT}/talk-replaced.ipynb': notebook(
+                'talker', text='2026-03-01 12:00:00 UTC'
+            ),
+            f'ann/{TALK}/talk.ipynb': GOOD,
+        }
         assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
 
     def test_the_same_work_keeps_its_time(self, tmp_path, layout):
