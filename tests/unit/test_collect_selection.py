@@ -1,5 +1,6 @@
 """The choice of the notebook for an assignment, and limits on reading."""
 
+import io
 import json
 import tracemalloc
 
@@ -22,7 +23,7 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect import selection
+from autograder.collect import deliveries, selection
 from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.submission.reading import UnusableUploadError
 
@@ -130,7 +131,7 @@ class TestOneAssignmentASource:
             packed(tmp_path / 'c.zip', {'a_1_2_x.pdf': b''}), layout, layout.submitted
         )
 
-        assert (row.done, row.notes) == (LEFT, ('no notebook, only x.pdf',))
+        assert (row.done, row.notes) == (LEFT, ('no notebook, only x.pdf', selection.ASK))
 
 
 class TestTheRightOne:
@@ -169,7 +170,10 @@ class TestTheRightOne:
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
 
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
-        assert f'old/{TALK}/x.ipynb, one of 2 notebooks for the assignment' in row.notes
+        assert row.notes[0].startswith(
+            f'old/{TALK}/x.ipynb was chosen, not talk.ipynb: it has the most cells of the '
+            'assignment. Try: if that is wrong, unpack the download, delete x.ipynb and '
+        )
 
     @pytest.mark.parametrize('wanted', ['', TALK])
     def test_of_equal_ones_the_name_counts(self, wanted, tmp_path, layout):
@@ -183,19 +187,29 @@ class TestTheRightOne:
             'ann/a.ipynb': copy,
         }
 
-        collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=wanted)
+        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=wanted)
 
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': right}
+        others = 'talk (1).ipynb, talk-Copy1.ipynb, a.ipynb'
+        assert f'talk.ipynb was chosen, not {others}: they have equally many' in row.notes[0]
 
-    @pytest.mark.parametrize('data', [OWN, DAMAGED, b''], ids=['own', 'damaged', 'empty'])
-    def test_the_only_notebook_is_taken_without_a_cell(self, data, tmp_path, layout):
+    @pytest.mark.parametrize(
+        ('data', 'why'),
+        [
+            (OWN, STRANGE),
+            (DAMAGED, 'not a notebook, but JSON that ends in the middle, after 40 bytes. Try: '),
+            (b'', 'not a notebook, but an empty file. Try: ask the student to save the notebook '),
+        ],
+        ids=['own', 'damaged', 'empty'],
+    )
+    def test_the_only_notebook_is_taken_without_a_cell(self, data, why, tmp_path, layout):
         """A single notebook without graded cells is collected, and grading names the problem."""
         files = {'ann/talk.ipynb': data, 'bob/work.ipynb': data}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
 
         assert [(row.student, row.done) for row in rows] == [('ann', TAKEN), ('bob', TAKEN)]
-        assert all(STRANGE in row.notes for row in rows)
+        assert all(row.notes[0].startswith(why) for row in rows)
 
     @pytest.mark.parametrize(
         ('others', 'why'),
@@ -219,7 +233,8 @@ class TestTheRightOne:
 
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
 
-        assert (row.done, row.notes) == (TAKEN, (STRANGE,))
+        assert row.done == TAKEN
+        assert 'JSON that ends in the middle' in row.notes[0]
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': DAMAGED}
 
     def test_an_attempt_without_a_cell_does_not_replace_an_earlier_one(self, tmp_path, layout):
@@ -238,6 +253,84 @@ class TestTheRightOne:
             'the newest of 3 attempts with a cell of the assignment',
             'a different notebook was collected',
         ]
+
+
+def zipped(files: dict[str, bytes]) -> bytes:
+    file = io.BytesIO()
+    packed(file, files)
+    return file.getvalue()
+
+
+class TestPackedWork:
+    """Notebooks in zip files, or with another ending, are found if there is no other."""
+
+    DEEP = zipped({'c.zip': zipped({'b.zip': zipped({'talk.ipynb': GOOD})})})
+
+    @pytest.mark.parametrize(
+        ('name', 'data'),
+        [
+            ('hw.ZIP', zipped({f'work/{TALK}/talk.ipynb': GOOD, '__MACOSX/._talk.ipynb': OWN})),
+            ('a.zip', zipped({'b.zip': zipped({'talk.ipynb': GOOD}), 'c.zip': b'PK'})),
+            ('a.zip', zipped({'listen.ipynb': OTHER, 'talk.ipynb.txt': GOOD})),
+            ('talk.ipynb.txt', GOOD),
+            ('talk (1).ipynb.json', GOOD),
+            ('answers.json', GOOD),
+        ],
+    )
+    @pytest.mark.parametrize('how', ['{}_5_assignsubmission_file/{}', '{}_1001_55_{}', '{}/{}'])
+    def test_it_is_taken(self, how, name, data, tmp_path, layout):
+        files = {how.format('Ann', name): data, how.format('Ann', 'notes.txt'): b''}
+        source = packed(tmp_path / 's.zip', files)
+
+        collect(source, layout, layout.submitted, assignment=TALK)
+        assert list(taken(layout).values()) == [GOOD]
+
+    @pytest.mark.parametrize(
+        ('name', 'data', 'why'),
+        [
+            ('a.zip', zipped({'x.pdf': b'%PDF'}), 'no notebook, only a.zip'),
+            (
+                'a.zip',
+                b'PK',
+                'a.zip: a damaged zip file (File is not a zip file); ask the student to ',
+            ),
+            ('a.zip', DEEP, 'no notebook, only a.zip'),
+            ('a.zip', zipped({'../talk.ipynb': GOOD}), 'a.zip/../talk.ipynb: a path that leads'),
+            (
+                'a.zip',
+                zipped({f'{n}.txt': b'' for n in range(2001)}),
+                'a.zip: a zip file with too many',
+            ),
+            ('settings.json', b'{"cells": []}', 'no notebook, only settings.json'),
+            ('a.rar', b'Rar!', 'no notebook, only a.rar'),
+        ],
+    )
+    def test_what_cannot_be_opened_is_reported(self, name, data, why, tmp_path, layout):
+        (row,) = collect(laid(tmp_path / 's', {f'ann/{name}': data}), layout, layout.submitted)
+
+        assert (row.student, row.done) == ('ann', LEFT)
+        assert row.notes[0].startswith(why)
+        assert ('no notebook' in why) == (selection.ASK in row.notes)
+
+    def test_notebooks_outside_of_a_zip_come_first(self, tmp_path, layout):
+        """A zip next to a notebook may contain an old copy, or the whole course."""
+        old = zipped({'talk.ipynb': GOOD})
+        files = {'ann/old.zip': old, 'ann/talk.ipynb': notebook('talker')}
+
+        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+
+        assert row.notes == ()
+        assert list(taken(layout).values()) == [notebook('talker')]
+
+    def test_a_large_file_in_a_zip_is_refused(self, tmp_path, layout, monkeypatch):
+        monkeypatch.setattr(
+            deliveries, 'IN_ZIP', deliveries.IN_ZIP._replace(file_bytes=len(GOOD) - 1)
+        )
+        source = laid(tmp_path / 's', {'ann/a.zip': zipped({'talk.ipynb': GOOD})})
+
+        (row,) = collect(source, layout, layout.submitted)
+
+        assert row.notes[0].startswith('a.zip/talk.ipynb: more than')
 
 
 class TestBounds:

@@ -23,9 +23,13 @@ import pytest
 
 from autograder.classroom.collected import read_not_collected
 from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
+from autograder.collect.selection import ASK
 from autograder.submission.reading import UnusableUploadError
 
-LATE = 'late, according to Canvas; the time is unknown, so a late policy cannot apply'
+LATE = (
+    'late, according to Canvas; the time is unknown, so a late policy cannot apply. '
+    'Try: write the time into timestamp.txt (docs/gradebook.md)'
+)
 
 
 class TestCanvas:
@@ -51,7 +55,7 @@ class TestCanvas:
         )
         assert said['exampleann_1001_55077_talk-1.ipynb'] == ('the newest of 2 attempts',)
         assert said['exampleann_1001_55001_talk.ipynb'] == ('a newer notebook was collected',)
-        assert said['diaz_1004_55004_essay.pdf'] == ('no notebook, only essay.pdf',)
+        assert said['diaz_1004_55004_essay.pdf'] == ('no notebook, only essay.pdf', ASK)
         assert said['evans_1005_55005_My work (2).ipynb'] == (
             "the file was called 'My work (2).ipynb'",
         )
@@ -112,7 +116,7 @@ class TestCanvas:
 
         (row,) = [row for row in rows if row.done == LEFT]
         assert (row.student, row.place, row.notes[0]) == ('1001', name, what)
-        assert (row.notes[1:] == (LATE,)) is ('LATE' in name)
+        assert (row.notes[1:] == ('late, according to Canvas',)) is ('LATE' in name)
 
     @pytest.mark.parametrize(
         'name',
