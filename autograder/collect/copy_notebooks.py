@@ -219,20 +219,32 @@ def _why_older(one: Chosen, new: datetime | None, old: datetime | None) -> str:
     return f'{said}. Try: to collect it anyway, delete the collected one'
 
 
-def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
-    """Print the table and a summary; control characters in names are replaced."""
+def print_rows(rows: Sequence[Row], to: Path, written: bool, every: bool = False) -> None:
+    """
+    Print a table and a summary; control characters in names are replaced.
+
+    :param every: whether the table also lists unchanged work, and other work without a note
+    """
+    shown = [row for row in rows if every or _is_news(row)]
     console = Console(width=None if sys.stdout.isatty() else 160)
     table = Table()
     for title in ('Student', 'Assignment', 'Done', 'Handed in', 'From', 'Notes'):
         table.add_column(title, overflow='fold')
-    for row in rows:
+    for row in shown:
         student = f'{row.student} ({row.person})' if row.person else row.student
         notes = '; '.join(row.notes)
         cells = (student, row.assignment, row.done, row.handed_in, row.place, notes)
         table.add_row(*(Text(printable(cell)) for cell in cells))
-    console.print(table)
+    if shown:
+        console.print(table)
     counts = Counter(row.done for row in rows)
     said = ', '.join(f'{count} {done}' for done, count in sorted(counts.items()))
     where = f'Folder: {to}' if written else 'Nothing was written (--dry-run)'
     summary = f'{said or "no submissions"}. {where}. Times are UTC.'
+    if hidden := len(rows) - len(shown):
+        summary += f' Rows without news: {hidden} (--all shows them).'
     console.print(summary, markup=False, highlight=False, soft_wrap=True)
+
+
+def _is_news(row: Row) -> bool:
+    return row.done == LEFT or (bool(row.notes) and row.done != UNCHANGED)

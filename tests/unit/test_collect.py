@@ -318,9 +318,20 @@ class TestCommand:
 
         assert command.main(['collect', str(source), '--dry-run']) == OK
         said = capsys.readouterr().out
-        assert 'ann' in said
-        assert '1 taken. Nothing was written (--dry-run).' in said
+        assert said.startswith('1 taken. Nothing was written (--dry-run).')
+        assert said.endswith('Rows without news: 1 (--all shows them).\n')
         assert not layout.submitted.exists()
+
+    def test_the_table_has_only_news(self, tmp_path, capsys):
+        files = {'ann/talk.ipynb': GOOD, 'bob/work.ipynb': GOOD, 'cy/x.txt': b''}
+        source = str(laid(tmp_path / 's', files))
+
+        rows = []
+        for options in ((), (), ('--all',)):
+            command.main(['collect', source, *options])
+            lines = capsys.readouterr().out.splitlines()
+            rows.append([line.split()[1] for line in lines if line.startswith('│')])
+        assert rows == [['bob', 'cy'], ['cy'], ['ann', 'bob', 'cy']]
 
     def test_the_example_students_leave_when_a_class_comes(self, tmp_path, layout, capsys):
         laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})

@@ -164,9 +164,13 @@ class TestShown:
         """Students of earlier collections are named too."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
         source = laid(tmp_path / 's', {'cho/talk.ipynb': GOOD})
+        save_collected(layout, [Work('dan', why=PDF)])
 
         assert command.main(['collect', str(source)]) == OK
-        assert capsys.readouterr().out.endswith('Nothing to grade yet from: Ann <b>, bob\n')
+        assert capsys.readouterr().out.endswith(
+            f'Nothing to grade yet for an unknown lesson from: dan\n'
+            f'Nothing to grade yet for {TALK} from: Ann <b>, bob\n'
+        )
 
     def test_a_student_is_named_once(self):
         two = [Work('ann', TALK, why=PDF), Work('ann', LISTEN, why=PDF)]
