@@ -183,6 +183,11 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     try:
         if not stat.S_ISREG(kind):
             raise zipfile.BadZipFile('something else')
+        if source.suffix.lower() != '.zip' and not zipfile.is_zipfile(source):
+            raise UnusableUploadError(
+                f'{source}: expected a folder or a zip file, got a different file.',
+                'Try: give the zip file that you downloaded, or the folder with this file',
+            )
         with zipfile.ZipFile(source) as archive:
             yield _tree(source.stem, _in_zip(archive, meter), meter)
     except _DAMAGED as error:

@@ -379,6 +379,14 @@ class TestCommand:
         assert command.main(['collect', str(source), '--prefix', 'hw2-']) == command.USAGE
         assert "begin with 'hw2-' (--prefix), got: bob, hw1-ann" in capsys.readouterr().err
 
+    @pytest.mark.parametrize('name', ['grades.csv', 'talk.ipynb'])
+    def test_another_file_is_not_called_a_zip(self, name, tmp_path, capsys):
+        source = laid(tmp_path / 's', {name: GOOD}) / name
+
+        assert command.main(['collect', str(source)]) == command.USAGE
+        said = capsys.readouterr().err
+        assert f'{name}: expected a folder or a zip file, got a different file. Try: ' in said
+
     def test_what_is_not_there_is_one_line(self, tmp_path, capsys):
         assert command.main(['collect', str(tmp_path / 'no.zip')]) == command.USAGE
         assert 'no.zip: cannot be read: no such file' in capsys.readouterr().err

@@ -11,6 +11,7 @@ from collect_sources import (
     layout,  # noqa: F401 - a fixture
     LISTEN,
     MOODLE,
+    notes,
     OTHER,
     packed,
     REPOSITORIES,
@@ -64,7 +65,7 @@ class TestFolders:
         }
 
     def test_files_that_are_no_notebooks_are_in_the_table(self, tmp_path, layout):
-        files = {'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1'}
+        files = {'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1', 'd.zip': b'PK'}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
 
@@ -72,7 +73,9 @@ class TestFolders:
             ('ann', 'ann.ipynb'): TAKEN,
             ('', 'bob.rar'): LEFT,
             ('', 'cy.py'): LEFT,
+            ('', 'd.zip'): LEFT,
         }
+        assert notes(rows)['d.zip'][0].startswith('a zip file. Try: collect it alone if it is a')
 
     def test_a_zip_with_a_folder_around_everything_is_a_class(self, tmp_path, layout):
         """A zip may have one top folder, with folders or notebooks named after students."""
