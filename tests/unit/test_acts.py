@@ -169,7 +169,6 @@ class TestPlace:
         ],
     )
     def test_what_only_looks_alike_is_no_place(self, act, about):
-        """Look-alikes, such as the code that runs the file, are not found."""
         found = place(act, about, code=LATER)
 
         assert found is None or found[1]
@@ -221,7 +220,6 @@ class TestPlace:
         assert place_of(Code({'a.py': 'def ('}), 'publish()') is None
 
     def test_unknown_statement_is_a_mistake_of_the_exam(self):
-        """The error lists the statements that an exam may name."""
         with pytest.raises(ExamInvalid, match='Use one of: to, if, while'):
             place('wenn:publish()')
 
@@ -233,7 +231,6 @@ class TestPlace:
         assert place_of(code, 'info()').words == 'Line 26, in tock(): '
 
     def test_each_of_several_places_may_be_a_mistake(self):
-        """Two or three lines are named."""
         code = Code({'two.py': 'a.create_timer()\n' * 2})
 
         assert place_of(code, 'create_timer()*').words == 'Lines 2 and 3: '

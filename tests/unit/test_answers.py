@@ -37,7 +37,6 @@ STUB = "None  # YOUR CODE HERE: 'a', 'b', 'c' or 'd' in place of None\n"
     ],
 )
 def test_letter_is_read_however_it_is_written(body):
-    """Quotes, capitals, blanks and comments around the letter are ignored."""
     assert chosen_letter(body) == 'b'
 
 
@@ -80,7 +79,6 @@ def test_anything_else_is_refused_with_a_printable_reason(body, reason):
 
 
 def test_code_in_an_answer_is_never_executed(tmp_path):
-    """The grader does not execute an answer, even if the result would be a letter."""
     trace = tmp_path / 'trace'
     for body in (f"open('{trace}', 'w') and 'b'", f"__import__('os').system('touch {trace}')"):
         with pytest.raises(NotALetterError):
@@ -143,7 +141,6 @@ RIGHT = {name: entry['right'] for name, entry in key().items()}
 
 
 def test_visible_check_looks_at_the_form_only():
-    """A visible check gives the same result for correct and for wrong letters."""
     right, wrong = (results(answers(**letters), hidden=False) for letters in (RIGHT, {}))
 
     assert right == wrong
@@ -161,7 +158,6 @@ def test_visible_check_names_the_questions_without_a_letter():
 
 
 def test_each_question_counts_for_itself():
-    """A wrong letter and a missing file cost one point each."""
     files = answers(**{**RIGHT, 'q22': 'c'})
     del files[path_of('q03')]
     found = results(files, hidden=True)
@@ -172,7 +168,6 @@ def test_each_question_counts_for_itself():
 
 @pytest.mark.parametrize('letter', 'abcd')
 def test_wrong_answer_is_explained_without_the_right_letter(letter):
-    """The misconception and the section to read are shown, and no letter is named."""
     found = results(answers(**dict.fromkeys(QUESTIONS, letter)), hidden=True)
     for name, one in found.items():
         assert (one.verdict is Verdict.PASSED) == (RIGHT[name] == letter)
@@ -183,12 +178,10 @@ def test_wrong_answer_is_explained_without_the_right_letter(letter):
 
 
 def test_blind_guessing_does_not_pay():
-    """Each letter is correct equally often."""
     assert sorted(list(RIGHT.values()).count(letter) for letter in 'abcd') == [6, 6, 6, 6]
 
 
 def test_key_stays_with_the_instructor():
-    """The students' copy has neither the answer key nor any of its sentences."""
     layout = Layout.here()
     names = bundled_files(layout)
     texts = [path.read_text(encoding='utf-8', errors='replace') for path in names.values()]
@@ -200,7 +193,6 @@ def test_key_stays_with_the_instructor():
 
 
 def test_release_asks_every_question_with_four_options():
-    """An answer cell follows each question, and its stub shows the four letters."""
     cells = read_release(Layout.here().release('09_check_your_understanding'))['cells']
     asked = {}
     for text, cell in pairwise(cells):

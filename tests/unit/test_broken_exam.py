@@ -57,7 +57,6 @@ def forget() -> dict[str, ModuleType]:
 
 @pytest.mark.parametrize('line', BROKEN)
 def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, capsys, line):
-    """The error shows the file, the line and the message, and sends learners to the instructor."""
     broken_exam(f'"""A docstring."""\n\n{line}\n')
 
     command = ['check', 'sample', '--files', str(tmp_path), '--visible']

@@ -126,7 +126,6 @@ def test_every_mistake_of_the_table_is_recognised(cause):
 
 @pytest.mark.parametrize('cause', [row.cause_id for row in rows_of('of_python_builds.txt')])
 def test_every_mistake_of_a_python_package_is_recognised(cause):
-    """A mistake in a Python package is recognised only if there is a setup.py."""
     printed = 'WARNING:colcon.colcon_ros.task.ament_python\n' + PYTHON_PRINTED[cause]
 
     assert diagnose(printed, {'setup.py': ''}).cause_id == cause
@@ -151,7 +150,6 @@ def test_missing_message_package_of_others_is_named_with_the_file_to_edit():
 
 
 def test_the_line_of_the_mistake_is_named(tmp_path):
-    """The line is found in the learner's file, whatever its spacing is."""
     message = tmp_path / 'msg' / 'Temperature.msg'
     message.parent.mkdir()
     message.write_text('# one reading\nstring unit\nfloat   temperature_value  # wrong\n')
@@ -205,14 +203,12 @@ def test_unknown_failure_shows_its_first_error():
 
 
 def test_unknown_failure_of_a_generator_shows_the_exception():
-    """The exception of a generator is shown instead of its command line."""
     output = ADAPTER + '  File "parser.py", line 5, in parse\n\n  LookupError: no such thing\n'
 
     assert diagnose(output, {}).text == 'LookupError: no such thing'
 
 
 def test_words_of_cmake_are_passed_on_whole_and_without_folders():
-    """A wrapped sentence from CMake is shown in full, without this machine's folders."""
     said = '  ament_export_x() must be called before ament_package().  It reads\n  /opt/a/b.cmake'
     output = f'CMake Error at /opt/ros/share/x.cmake:2 (message):\n{said} {"and so on " * 30}\n\n'
     own = 'CMake Error at CMakeLists.txt:7 (include):\n  cannot find:\n\n    /opt/a/b.cmake\n'

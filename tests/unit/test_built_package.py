@@ -28,7 +28,6 @@ def test_a_package_has_a_manifest_with_a_name_and_says_how_it_is_built():
 
 
 def test_the_exam_stays_the_same_but_for_what_runs():
-    """The exam for a package has the same checks and inputs, and the original is unchanged."""
     exam = catalog.load('temperature_publisher', hidden=False)
 
     assert EXAM.checks == exam.checks
@@ -86,7 +85,6 @@ def there(**places):
 def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
     files, installed, cause_id, words
 ):
-    """The cause also lists the executables that were installed."""
     check = first_check(97, there(**installed), dict.fromkeys(files, ''))
 
     assert check.cause_id == cause_id
@@ -142,7 +140,6 @@ def test_thread_that_calls_a_module_is_no_entry_point():
     'line', ['', 'run_package: {', 'run_package: [1]', 'run_package: {"lib": 3}']
 )
 def test_what_a_build_prints_is_not_believed(line):
-    """A build that prints a list of executables does not change the cause."""
     assert first_check(97, line, {'setup.py': ''}).cause_id == 'entry_point_missing'
 
 

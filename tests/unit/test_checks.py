@@ -30,7 +30,6 @@ def log(text, level=WARN, name='lab.a'):
 
 class TestNode:
     def test_node_of_the_right_name_passes(self):
-        """The full name is compared."""
         checks.require_node(run_of(GRAPH), '/lab/a')
 
     def test_node_in_another_namespace_is_reported(self):
@@ -68,14 +67,12 @@ class TestReached:
 
 class TestEndpoint:
     def test_endpoint_of_another_type_is_named(self):
-        """The cause is the type of the endpoint, although its topic is correct."""
         with pytest.raises(Failed) as failed:
             checks.require_endpoint(run_of(GRAPH), 'publisher', TOPIC, 'std_msgs/msg/Int32')
 
         assert failed.value.why.cause_id == 'wrong_type'
 
     def test_policies_are_compared_one_by_one(self):
-        """Only the requested policies are compared, and periods are shown in seconds."""
         checks.require_qos([END], reliability='RELIABLE', deadline_ns=None)
 
         with pytest.raises(Failed) as failed:
@@ -236,7 +233,6 @@ class TestMessages:
         assert (failed.value.why and failed.value.why.cause_id) == cause
 
     def test_rhythm_that_ends_early_is_not_called_a_wrong_rate(self):
-        """If the rhythm is correct until it ends, the cause is its early end."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(
                 run_of(), [message(clock) for clock in (1.1, 2.1, 3.1)], 1.0, 8.0
@@ -245,7 +241,6 @@ class TestMessages:
         assert failed.value.why.cause_id == 'stops'
 
     def test_too_few_messages_fail(self):
-        """If no message arrived, the cause is ``silent``."""
         with pytest.raises(Failed) as failed:
             checks.require_messages(run_of(GRAPH), [], 3, 'messages on /lab/reading')
 
@@ -253,7 +248,6 @@ class TestMessages:
         assert failed.value.why.cause_id == 'silent'
 
     def test_one_message_is_asked_for_without_a_number(self):
-        """The sentence does not say "at least 1 messages"."""
         with pytest.raises(Failed) as failed:
             checks.require_messages(run_of(GRAPH), [], 1, 'messages on /lab/reading')
 
@@ -278,7 +272,6 @@ class TestAnswers:
         return {'event': 'answer', 'service': self.SERVICE, 'data': data}
 
     def test_wanted_answers_pass(self):
-        """Only the named fields are compared."""
         run = run_of(self.answer(success=True, more=1), self.answer(success=False))
 
         checks.require_answers(run, self.SERVICE, [{'success': True}, {}], 'two transitions')

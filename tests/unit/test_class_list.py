@@ -40,7 +40,6 @@ def listed(layout):
 
 
 def test_ids_are_those_of_collect_and_other_columns_are_ignored(listed):
-    """A list with semicolons, a byte order mark and other columns can be read."""
     assert class_list(listed) == {'ann': 'Ann Example', 'bob@x.example': '', 'zoe': 'Zoe Z'}
 
 
@@ -54,7 +53,6 @@ def test_names_of_the_list_are_shown_but_not_saved(listed):
 
 
 def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):
-    """A missing student has no mark, rather than a mark of zero."""
     here = ClassResults(TALK, (submission('ann'), submission('eve')))
     found = marks(listed, here, AUTOMATIC)
 
@@ -87,7 +85,6 @@ def test_without_a_list_nobody_is_missing(layout):
 
 
 def test_reports_and_statistics_name_who_is_missing(listed):
-    """The table, the page and the statistics name missing students."""
     missing = not_collected(listed, TALK, {'ann'})
     console = Console(record=True, width=120, file=None)
     print_table(console, TALK, [submission('ann')], {}, missing)

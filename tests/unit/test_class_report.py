@@ -87,13 +87,11 @@ class TestNumbers:
         assert marks.bins == (1, 1, 0, 0, 1, 1, 0, 0, 0, 2)
 
     def test_quartiles_of_a_single_submission_equal_its_mark(self):
-        """With a single submission, every quartile is the mark of that submission."""
         marks = numbers_of(*with_points(7)).marks
 
         assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)
 
     def test_for_review_counts_nowhere_but_in_its_list(self):
-        """A submission for review has no mark of zero and no failed checks."""
         numbers = numbers_of(FULL, REVIEW)
 
         assert numbers.marks.count == 1
@@ -108,7 +106,6 @@ class TestNumbers:
         assert 'no student has a mark' in stats_text(numbers)
 
     def test_causes_are_counted_by_their_name(self):
-        """Causes are grouped by id and shown with their most frequent text."""
         others = [submission(f's{n}', (failed(words=f'a typo in line {n}'),)) for n in range(2)]
         same = [submission(f't{n}', (failed(words='a typo in line 1'),)) for n in range(2)]
         odd = submission('u', (failed(words='late', cause_id='late'),))
@@ -159,7 +156,6 @@ class TestNumbers:
         assert 'Recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in page
 
     def test_no_recordings_no_versions(self, tmp_path):
-        """Without recordings, the versions of this machine are not shown."""
         assert numbers_of(FULL).versions == {}
         assert 'ecorded with' not in page_of(tmp_path, FULL)
 
@@ -191,7 +187,6 @@ class TestNumbers:
 
 class TestPage:
     def test_it_loads_nothing_and_runs_nothing(self, tmp_path):
-        """The page loads nothing and has no scripts, whatever students wrote."""
         page = page_of(tmp_path, *CLASS.results, summary=EVIL)
         parts = read(page)
 
@@ -212,7 +207,6 @@ class TestPage:
         assert text.rindex('eve') < text.rindex('ann')
 
     def test_unusable_work_is_for_review_and_first_in_what_is_worth_a_look(self, layout):
-        """Unreadable work has no mark, and its problem is listed first."""
         cut = Problem('x.ipynb', 'a notebook', 'an empty file', 'submit again', ('talker',), True)
         results = [submission('ann', noticed=('odd cells',)), submission('zoe', problems=(cut,))]
         numbers = numbers_of(*results)
@@ -234,7 +228,6 @@ class TestPage:
             assert (path.parent / link).is_file(), link
 
     def test_the_picture_is_also_a_table(self, tmp_path):
-        """The picture has a name and a description, and a table shows its numbers."""
         page = page_of(tmp_path, *with_points(0, 5, 10, 10))
         parts = read(page)
 
@@ -245,7 +238,6 @@ class TestPage:
         assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in parts.text
 
     def test_checks_stand_in_the_order_of_the_exams(self, tmp_path):
-        """The checks are in the order that students see, each with its most frequent cause."""
         first, second = submission(exam='z'), submission(exam='a')
         both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
         text = read(page_of(tmp_path, both)).text
@@ -271,7 +263,6 @@ class TestPage:
 
 class TestTerminal:
     def test_it_says_the_same_in_words(self):
-        """The text has marks, checks with causes, reviews, flags and the isolation."""
         text = stats_text(numbers_of(submission(), FULL, REVIEW))
 
         for part in (
@@ -308,14 +299,12 @@ class TestVisibleChecksAlone:
     """Isolation that cannot hide the hidden exams leaves only the visible checks."""
 
     def test_they_make_no_marks(self):
-        """The verdicts are counted, but no marks are shown."""
         numbers = numbers_of(VISIBLE)
 
         assert numbers.marks is None
         assert [check.passed for check in numbers.checks] == [1, 1]
 
     def test_the_page_says_so(self, tmp_path):
-        """The page shows a note below the points."""
         page = page_of(tmp_path, VISIBLE)
 
         assert '>5 of 5<br><span class="review">only visible checks</span>' in page

@@ -55,7 +55,6 @@ class TestEveryKind:
     """Each source is read as a zip and as an unpacked folder."""
 
     def test_it_is_recognised(self, files, kind, how, tmp_path):
-        """The names in a source are enough to recognise its platform."""
         with opened(how(tmp_path / 'source.zip', files), BOUNDS) as found:
             assert recognise_platform(found) == kind
 
@@ -170,7 +169,6 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_link_in_a_zip_is_left(self, tmp_path, layout):
-        """A link in a zip is left out, and the reports name its student."""
         link = zipfile.ZipInfo('ann/talk.ipynb')
         link.external_attr = (stat.S_IFLNK | 0o777) << 16
         with zipfile.ZipFile(tmp_path / 's.zip', 'w') as archive:
@@ -185,7 +183,6 @@ class TestHostileSources:
         assert [one.student for one in read_not_collected(layout)] == ['ann']
 
     def test_links_and_pipes_in_a_folder_are_left(self, tmp_path, layout):
-        """Links and pipes in a folder are left out, and no read blocks on a pipe."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         (source / 'bob').mkdir()
         (source / 'bob' / 'talk.ipynb').symlink_to(source / 'ann' / 'talk.ipynb')
@@ -212,7 +209,6 @@ class TestHostileSources:
         assert 'more than' in row.notes[0]
 
     def test_far_too_many_files_are_refused_as_a_whole(self, tmp_path, layout, monkeypatch):
-        """The error says what to try."""
         limit(monkeypatch, entries=2)
         source = laid(tmp_path / 's', {f'{name}/talk.ipynb': GOOD for name in 'abc'})
 
@@ -223,7 +219,6 @@ class TestHostileSources:
     def test_generated_files_do_not_count_towards_the_size_limit(
         self, how, tmp_path, layout, monkeypatch
     ):
-        """Generated files do not count, but a higher limit applies to all files."""
         work = ('src/ros_ws/build/x', 'install/COLCON_IGNORE', 'install/x.ipynb', '.venv/a/x.py')
         files = {f'{name}/{file}': GOOD for name in ('ann', 'bob') for file in work}
         files |= {'ann/talk.ipynb': GOOD, 'ann/build/notes.txt': b'', 'cy/log/talk.ipynb': GOOD}
@@ -242,7 +237,6 @@ class TestHostileSources:
 
     @pytest.mark.parametrize('name', ['build', 'install', 'log'])
     def test_a_students_own_folder_is_no_programs(self, name, tmp_path, layout):
-        """A student's folder is read, even if its name is that of a folder for generated files."""
         files = {f'{name}/COLCON_IGNORE': b'', f'{name}/talk.ipynb': GOOD, 'ann/talk.ipynb': GOOD}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -272,7 +266,6 @@ class TestHostileSources:
 
 
 def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
-    """Newer work replaces the old work atomically and leaves no other file."""
     collect(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}), layout, layout.submitted)
     newer = notebook('talker', text='newer')
     laid(tmp_path / 's', {'ann/talk.ipynb': newer})
@@ -284,7 +277,6 @@ def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
 
 
 def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):
-    """``collect`` does not write through a link into files outside the course."""
     layout.submitted.mkdir(parents=True)
     (tmp_path / 'elsewhere').mkdir()
     (layout.submitted / 'ann').symlink_to(tmp_path / 'elsewhere')
@@ -301,7 +293,6 @@ class TestCommand:
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
 
     def test_it_prints_a_table_and_tells_by_its_exit_code(self, tmp_path, layout, capsys):
-        """The exit code is 1 if a student's work was not collected."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/x.txt': b''})
 
         assert command.main(['collect', str(source)]) == FOR_REVIEW
@@ -310,7 +301,6 @@ class TestCommand:
         assert '1 not taken, 1 taken.' in said
 
     def test_a_dry_run_writes_nothing(self, tmp_path, layout, capsys):
-        """A dry run prints the same table."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--dry-run']) == OK
@@ -341,7 +331,6 @@ class TestCommand:
         assert 'Removed the 1 example students' in capsys.readouterr().err
 
     def test_it_waits_for_no_grading(self, tmp_path, layout, capsys):
-        """``collect`` is refused during a grading run; a dry run is not."""
         source = str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))
 
         with lock_course(layout, 'a grading'):
@@ -352,7 +341,6 @@ class TestCommand:
         assert command.main(['collect', source]) == OK
 
     def test_a_prefix_is_taken_off(self, tmp_path, layout, capsys):
-        """The prefix is removed from each name, and the table reports this."""
         source = laid(tmp_path / 's', {'hw1-ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--prefix', 'hw1-']) == OK

@@ -26,7 +26,6 @@ from autograder.submission.tree import UnusableUploadError
 class TestFolders:
     @pytest.mark.parametrize('how', [packed, laid])
     def test_repositories_lose_the_name_of_the_assignment(self, how, tmp_path, layout):
-        """The assignment's name is removed, and git's own files are not collected."""
         rows = collect(how(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
 
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, 'bob': TAKEN, 'cho': LEFT}
@@ -75,7 +74,6 @@ class TestFolders:
         }
 
     def test_a_zip_with_a_folder_around_everything_is_a_class(self, tmp_path, layout):
-        """A zip may have one top folder, with folders or notebooks named after students."""
         around = packed(tmp_path / 'a.zip', {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER})
         flat = packed(tmp_path / 'b.zip', {'hw/cy.ipynb': GOOD, 'hw/dan.ipynb': GOOD})
 
@@ -128,7 +126,6 @@ class TestIdsOfFolders:
     @pytest.mark.parametrize('prefix', ['talk-', '03_talk-', '03-talk_', '03-Talk-', 'talk_'])
     @pytest.mark.parametrize('others', [(), ('talk-bob',), ('zoe',), ('talk-bob', 'ros2-cy')])
     def test_a_repository_loses_an_assignment_on_every_day(self, prefix, others, tmp_path, layout):
-        """The assignment's name is removed, whatever other repositories are in the source."""
         names = (f'{prefix}ann', *others)
         files = {f'{name}/.git/HEAD': b'ref' for name in names}
         files |= {f'{name}/work/talk.ipynb': GOOD for name in names}
@@ -142,7 +139,6 @@ class TestIdsOfFolders:
             assert found.get('ros2-cy', 'ros2-cy') == 'ros2-cy'
 
     def test_the_longest_name_of_an_assignment_is_taken_off(self, tmp_path, layout):
-        """The longest matching assignment name is removed, but never the whole folder name."""
         files = {'06_talk_more/talk_more.ipynb': OTHER}
         laid(layout.notebooks, files)
         names = ('talk-more-ann', 'talk-bob', 'talk-', 'talkative-cy')
@@ -184,7 +180,6 @@ class TestStudentChosenNames:
     )
 
     def test_metadata_in_a_submission_is_one_of_its_files(self, tmp_path, layout):
-        """A metadata file that a student handed in is not the platform's."""
         forged = {'assignment_9_export/submission_101/submission_metadata.yml': self.FORGED}
         source = packed(tmp_path / 'g.zip', {**forged, **GRADESCOPE})
         honest = packed(tmp_path / 'h.zip', GRADESCOPE)
@@ -233,7 +228,6 @@ class TestStudentChosenNames:
 
     @pytest.mark.parametrize('wanted', ['', 'moodle'])
     def test_a_single_hand_in_does_not_decide_by_what_is_in_it(self, wanted, tmp_path, layout):
-        """The folder of a single student is not read as the outer folder of a class."""
         files = {
             'Ann_311_assignsubmission_file/Bo_312_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_file/Cy_313_assignsubmission_file/talk.ipynb': GOOD,
@@ -283,7 +277,6 @@ class TestNamedKind:
 
     @pytest.mark.parametrize('wanted', ['canvas', 'moodle', 'gradescope', 'exchange', 'folder'])
     def test_a_source_that_is_of_another_is_refused(self, wanted, tmp_path, layout):
-        """The error shows the expected platform and the names that were found."""
         source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
 
         with pytest.raises(UnusableUploadError) as caught:
@@ -306,7 +299,6 @@ class TestNamedKind:
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
     def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):
-        """Names of the stated platform are read, and every other name gets a row."""
         files = {f'notes_{n}.txt': b'' for n in range(9)}
         source = laid(tmp_path / 's', {**files, 'ann_1001_55_talk.ipynb': GOOD})
 

@@ -77,7 +77,6 @@ class TestMoodle:
         assert f'Li Wei/{LISTEN}/listen.ipynb' not in taken(layout)
 
     def test_names_of_their_own_help(self, tmp_path, layout):
-        """Namesakes are collected if their folders have different names."""
         both = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Li Wei_314')
         own = self.of_moodle(tmp_path / '2.zip', 'Li Wei 2024-7_313', 'Li Wei 2024-9_314')
         collect(both, layout, layout.submitted)
@@ -125,8 +124,6 @@ class TestMoodle:
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
-        """The notebooks are collected, and one line says what was not saved."""
-
         def full(*_):
             raise OSError(28, 'No space left on device')
 

@@ -59,7 +59,6 @@ def test_work_of_another_user_is_refused_with_both_names(tmp_path, layout):
 
 
 def test_zip_of_an_exchange_is_refused_as_it_names_no_owner(tmp_path, layout):
-    """A zip is refused, because it does not record owners."""
     rows = collect(packed(tmp_path / 'e.zip', EXCHANGE), layout, layout.submitted)
 
     assert {row.done for row in rows} == {LEFT}
@@ -79,7 +78,6 @@ def test_recorded_owner_is_accepted(tmp_path, layout):
 
 @pytest.mark.parametrize('by_setting', [True, False])
 def test_names_are_trusted_when_the_instructor_says_so(by_setting, tmp_path, layout, monkeypatch):
-    """A setting of nbgrader, or an option of the command, turns the check off."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
     configure(layout, 'c.ExchangeCollect.check_owner = False\n' if by_setting else '')
     options = [] if by_setting else ['--trust-names']
@@ -91,7 +89,6 @@ def test_names_are_trusted_when_the_instructor_says_so(by_setting, tmp_path, lay
 
 
 def test_owners_that_are_no_dictionary_are_one_sentence(tmp_path, layout):
-    """The error says what to write."""
     configure(layout, "c.ExchangeCollect.owners = 'ann'\n")
 
     with pytest.raises(GraderError, match=r'owners is not a dictionary. Try: c.ExchangeCollect'):

@@ -53,7 +53,6 @@ class TestSeveralAssignments:
         assert all(row.notes == () for row in rows)
 
     def test_the_one_wanted_is_taken_alone(self, tmp_path, layout):
-        """With ``--assignment``, notebooks of other assignments are ignored."""
         files = {f'ann/{TALK}/talk.ipynb': GOOD, f'ann/{LISTEN}/listen.ipynb': OTHER}
         source = laid(tmp_path / 'class', files)
 
@@ -62,7 +61,6 @@ class TestSeveralAssignments:
         assert done(rows) == [('ann', LISTEN, TAKEN)]
 
     def test_content_says_which_assignment_it_is(self, tmp_path, layout):
-        """Only the cells count, whatever the names of the file and the folder are."""
         files = {f'ann/{TALK}/talk.ipynb': OTHER, f'ann/{LISTEN}/listen.ipynb': GOOD}
 
         rows = collect(laid(tmp_path / 'class', files), layout, layout.submitted)
@@ -82,7 +80,6 @@ class TestOneAssignmentASource:
 
     @pytest.mark.parametrize('places', [CANVAS, MOODLE], ids=['canvas', 'moodle'])
     def test_a_notebook_of_another_lesson_replaces_nothing(self, places, tmp_path, layout):
-        """A notebook of another lesson gets a row, even next to the correct one."""
         before = {f'{name}/{LISTEN}/listen.ipynb': b'right' for name in ('1003', 'cy')}
         laid(layout.submitted, before)
         names = 'talk.ipynb', 'listen.ipynb'
@@ -104,7 +101,6 @@ class TestOneAssignmentASource:
         ],
     )
     def test_what_is_not_sure_is_refused(self, one, two, said, tmp_path, layout):
-        """If two assignments are equally likely, the error asks for ``--assignment``."""
         files = {'ann_1001_561_a.ipynb': one, 'bob_1002_562_b.ipynb': two}
         source = packed(tmp_path / 'c.zip', files)
 
@@ -125,7 +121,6 @@ class TestOneAssignmentASource:
         assert set(taken(layout)) == {f'{name}/{TALK}/talk.ipynb' for name in '23'}
 
     def test_without_a_notebook_the_table_says_what_there_is(self, tmp_path, layout):
-        """If nobody has handed in a notebook, the table lists what the source contains."""
         (row,) = collect(
             packed(tmp_path / 'c.zip', {'a_1_2_x.pdf': b''}), layout, layout.submitted
         )
@@ -142,7 +137,6 @@ class TestTheRightOne:
     )
     @pytest.mark.parametrize('how', ['moodle', 'canvas', 'repository'])
     def test_own_notes_do_not_replace_the_answers(self, how, right, own, wanted, tmp_path, layout):
-        """A student's own notes are not collected, even if they are newer or better named."""
         place = {
             'moodle': 'Ann_311_assignsubmission_file/{}',
             'canvas': 'ann_1001_{}',
@@ -163,7 +157,6 @@ class TestTheRightOne:
             assert len(rows) == 2
 
     def test_most_cells_count_more_than_the_name(self, tmp_path, layout):
-        """A notebook with one copied cell does not replace the work."""
         files = {'ann/talk.ipynb': notebook('talker'), f'ann/old/{TALK}/x.ipynb': GOOD}
 
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
@@ -189,7 +182,6 @@ class TestTheRightOne:
 
     @pytest.mark.parametrize('data', [OWN, DAMAGED, b''], ids=['own', 'damaged', 'empty'])
     def test_the_only_notebook_is_taken_without_a_cell(self, data, tmp_path, layout):
-        """A single notebook without graded cells is collected, and grading names the problem."""
         files = {'ann/talk.ipynb': data, 'bob/work.ipynb': data}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
@@ -243,7 +235,6 @@ class TestTheRightOne:
 class TestBounds:
     @pytest.mark.slow
     def test_a_class_is_not_held_in_memory(self, tmp_path, layout):
-        """Memory use does not grow with the class: each notebook is read when it is copied."""
         large = json.dumps({**json.loads(GOOD), 'metadata': {'x': '.' * (4 << 20)}}).encode()
         source = packed(tmp_path / 's.zip', {f's{n}/talk.ipynb': large for n in range(16)})
         tracemalloc.start()
@@ -258,7 +249,6 @@ class TestBounds:
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_too_much_of_everything_is_one_sentence(self, how, tmp_path, layout, monkeypatch):
-        """The error is raised before anything is written."""
         source = how(tmp_path / 's.zip', {f's{n}/talk.ipynb': GOOD for n in range(9)})
         limit(monkeypatch, whole_bytes=8 * len(GOOD))
 
@@ -272,7 +262,6 @@ class TestBounds:
         assert {row.done for row in collect(source, layout, layout.submitted)} == {TAKEN}
 
     def test_what_is_too_large_when_unpacked_is_counted(self, tmp_path, layout, monkeypatch):
-        """The bytes of unpacked files are counted across all files of the source."""
         source = packed(tmp_path / 's.zip', {f's{n}/x.ipynb': b' ' * (5 << 20) for n in range(9)})
         limit(monkeypatch, file_bytes=1 << 20)
         limit(monkeypatch, whole_bytes=8 << 20)
@@ -283,7 +272,6 @@ class TestBounds:
             collect(source, layout, layout.submitted)
 
     def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, tmp_path, layout):
-        """The most likely notebooks are read, and the table says that there are more."""
         files = {f'ann/{n:03}.ipynb': OWN for n in range(selection.MOST_NOTEBOOKS + 20)}
         source = laid(tmp_path / 's', {**files, f'ann/z/{TALK}/talk.ipynb': GOOD})
 
@@ -295,7 +283,6 @@ class TestBounds:
         assert left.notes[0].endswith('18 more')
 
     def test_one_student_has_not_the_share_of_a_class(self, tmp_path, layout, monkeypatch):
-        """One student cannot use up the bytes that may be read for the class."""
         monkeypatch.setattr(selection, 'MOST_BYTES_EACH', 3 * len(GOOD))
         files = {f'ann/{n}/talk.ipynb': GOOD for n in range(9)} | {'bob/talk.ipynb': GOOD}
 
@@ -316,7 +303,6 @@ class TestBounds:
         assert any(row.notes[0].startswith(f'{TALK}/talk.ipynb: more than') for row in rows)
 
     def test_refused_files_of_one_entry_are_one_line(self, tmp_path, layout):
-        """Many refused links in one student's folder give one row in the table."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
         for n in range(9):
             (source / 'ann' / f'link{n}').symlink_to('talk.ipynb')

@@ -32,7 +32,6 @@ class TestCanvas:
     """Canvas names files ``NAME_[LATE_]USER_ATTACHMENT_FILE``."""
 
     def test_ids_are_user_ids_and_the_newest_counts(self, tmp_path, layout):
-        """The table lists late files, files with other names, and files that are not notebooks."""
         rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
         assert table(rows) == {
@@ -149,7 +148,6 @@ class TestCanvas:
         assert b'new' in taken(layout)[f'1001/{TALK}/talk.ipynb']
 
     def test_ambiguous_files_have_no_owner(self, tmp_path, layout):
-        """A file whose owner is ambiguous is left out."""
         source = packed(tmp_path / 'c.zip', {'a_102_1001_55_talk.ipynb': GOOD})
 
         (row,) = collect(source, layout, layout.submitted)
@@ -158,7 +156,6 @@ class TestCanvas:
         assert row.notes == ('the owner is unclear: user 1001 or user 102; rename the file',)
 
     def test_a_class_whose_files_all_begin_with_a_number_is_read(self, tmp_path, layout):
-        """A number that the names of all files share is not an id."""
         files = {f'{name}_{n}_55{n}_7_talk.ipynb': GOOD for n, name in ((101, 'a'), (102, 'b'))}
 
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
@@ -180,7 +177,6 @@ class TestGradescope:
     """Gradescope writes ``submission_metadata.yml`` and one folder per submission."""
 
     def test_submissions_belong_to_everybody_named(self, tmp_path, layout):
-        """All members of a group get the work, and its time for nbgrader's late policy."""
         collect(packed(tmp_path / 'g.zip', GRADESCOPE), layout, layout.submitted)
 
         found = taken(layout)
@@ -241,7 +237,6 @@ class TestExchange:
     """An exchange of nbgrader has folders ``inbound/USER+ASSIGNMENT+TIME+RANDOM``."""
 
     def test_the_newest_counts(self, tmp_path, layout):
-        """The newest work for each assignment counts; released files are not submissions."""
         rows = collect(laid(tmp_path / 'exchange', EXCHANGE), layout, layout.submitted)
 
         found = taken(layout)
@@ -263,7 +258,6 @@ class TestExchange:
             ]
 
     def test_an_exchange_of_several_courses_is_not_mixed(self, tmp_path, layout):
-        """The error says which folder to name instead."""
         files = {**EXCHANGE, **{name.replace('c/', 'd/', 1): GOOD for name in EXCHANGE}}
 
         with pytest.raises(UnusableUploadError, match='this exchange has 2 courses'):

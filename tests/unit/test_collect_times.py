@@ -115,7 +115,6 @@ class TestReading:
         ],
     )
     def test_lateness_is_reported_to_the_minute(self, late, words):
-        """The lateness is rounded to minutes and shown in days, hours and minutes."""
         assert late_notes('', NOON + late, NOON) == (words,)
         assert late_notes('Canvas', NOON + late, NOON) == (words,)
         assert late_notes('', NOON, NOON) == ()
@@ -123,7 +122,6 @@ class TestReading:
 
 class TestExchange:
     def test_the_time_is_kept_and_shown(self, tmp_path, layout):
-        """The time is saved in UTC and shown to the minute."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 +0100'))
 
         (row,) = collect(source, layout, layout.submitted)
@@ -182,7 +180,6 @@ class TestStampBesideANotebook:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_elsewhere_it_is_some_file(self, tmp_path, layout):
-        """A stamp counts only in the folder in which nbgrader writes it."""
         files = {
             f'ann/notebooks/{TALK}/talk.ipynb': GOOD,
             f'ann/notebooks/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
@@ -197,7 +194,6 @@ class TestOlderWork:
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
     def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
-        """The row of the older work reports this, even in a dry run."""
         monday = laid(tmp_path / 'monday', inbound(self.MONDAY))
         tuesday = laid(tmp_path / 'tuesday', inbound(self.TUESDAY))
         collect(tuesday, layout, layout.submitted)
@@ -220,7 +216,6 @@ class TestOlderWork:
         assert b'2026-03-03' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
     def test_the_same_work_keeps_the_time_of_the_last_hand_in(self, tmp_path, layout):
-        """Work that was handed in twice keeps the later time."""
         place = f'ann+{TALK}+{{}}+x/talk.ipynb'
         tuesday = laid(tmp_path / 't', {place.format(self.TUESDAY): GOOD})
         collect(tuesday, layout, layout.submitted)
@@ -234,7 +229,6 @@ class TestOlderWork:
 
     @pytest.mark.parametrize('there', [None, b'soon', b'\xff'])
     def test_without_a_time_nobody_knows(self, there, tmp_path, layout):
-        """If the saved work has no valid time, new work replaces it and its row says why."""
         laid(layout.submitted, {f'ann/{TALK}/talk.ipynb': notebook('talker', text='there')})
         if there is not None:
             laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': there})
@@ -282,7 +276,6 @@ class TestDueDates:
     """The due dates are those of the gradebook."""
 
     def test_late_work_is_reported(self, tmp_path, layout, gradebook):
-        """The lateness takes each student's extension into account."""
         late = '2026-03-01 14:05:30.000000 UTC'
         files = {
             **inbound('2026-03-01 11:59:59.999999 UTC', student='bob'),
@@ -313,7 +306,6 @@ class TestDueDates:
         assert not gradebook.exists()
 
     def test_a_damaged_gradebook_is_one_line(self, tmp_path, layout, gradebook):
-        """The work is collected, and one line names the damaged gradebook."""
         gradebook.write_bytes(b'SQLite format 3\x00' + b'\xff' * 4096)
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
 

@@ -31,7 +31,6 @@ def undisturbed(monkeypatch):
 
 
 def test_a_missing_folder_is_named(tmp_path, capsys):
-    """A missing folder gives one line and exit code 2."""
     code = command.main(['grade', '--submitted', str(tmp_path / 'nowhere')])
 
     assert code == command.USAGE
@@ -104,8 +103,6 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 
 
 def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
-    """A system error without a file, such as a full disk, gives one line."""
-
     def refuse(*_, **__):
         raise OSError(28, 'No space left on device')
 
@@ -130,7 +127,6 @@ def test_the_first_of_two_assignments_with_one_short_name_counts(tmp_path, monke
 
 @pytest.mark.parametrize('options', [[], ['--visible', '--json']])
 def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, monkeypatch):
-    """The line says what is missing and which command to try."""
     from environment.ros import ros_environment
 
     (tmp_path / 'temp_publisher.py').write_text('x = 1')
@@ -148,7 +144,6 @@ def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, m
 
 
 def test_a_python_without_the_packages_is_one_line(tmp_path):
-    """A Python without the packages, as with -S, gives one line."""
     root = Path(command.__file__).parents[1]
     done = subprocess.run(
         [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)],
@@ -226,7 +221,6 @@ class TestCheckWithoutTheFile:
 
 @pytest.mark.parametrize('jobs', ['0', '-1', 'many', '1.5'])
 def test_jobs_are_a_positive_number(jobs, capsys):
-    """The error says which values are valid."""
     with pytest.raises(SystemExit) as stopped:
         command.main(['grade', '--jobs', jobs])
 
@@ -235,7 +229,6 @@ def test_jobs_are_a_positive_number(jobs, capsys):
 
 
 def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
-    """The class has a folder per student, and in it a folder per lesson."""
     assert command.main(['sample-class', '--to', str(tmp_path / 'class')]) == OK
 
     names = {path.name for path in (tmp_path / 'class').iterdir()}
@@ -286,7 +279,6 @@ def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_pa
 
 
 def test_sample_students_never_follow_a_class(tmp_path):
-    """If a class was graded before, an empty folder gets no samples."""
     from rich.console import Console
 
     class Elsewhere(Layout):
@@ -320,8 +312,6 @@ def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, cap
     ],
 )
 def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
-    """Only a grading run without ``--fresh`` promises to continue where it stopped."""
-
     def stop(*_):
         raise KeyboardInterrupt
 
@@ -333,8 +323,6 @@ def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, monkeypatch):
-    """A stopped run has its own exit code, and says how to continue, without a traceback."""
-
     def stopped(*_):
         signal.raise_signal(number)
         while True:
@@ -369,8 +357,6 @@ def test_starting_imports_neither_nbgrader_nor_ros():
 
 
 def test_what_the_gradebook_refuses_is_reported_of_every_assignment(monkeypatch):
-    """Each assignment is named, and a reason that all share is printed once."""
-
     def refuses(_, assignment):
         return [], 'no server.' if assignment == '09' else f'{assignment}: cells.'
 

@@ -31,7 +31,6 @@ def test_profile_is_that_of_docker_and_one_more_rule() -> None:
 
 
 def test_paths_and_stages_exist() -> None:
-    """Compose and the development container name the Dockerfile and a stage that it has."""
     compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
     build = compose['build']
     assert (CONTAINER / build['context'] / build['dockerfile']).samefile(CONTAINER / 'Dockerfile')
@@ -50,7 +49,6 @@ def test_documentation_names_the_same_calls() -> None:
 
 
 def test_the_workflow_starts_the_image_as_compose_does() -> None:
-    """The workflow tests the image with the options that a class uses."""
     compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
     workflow = yaml.safe_load((ROOT / '.github' / 'workflows' / 'image.yml').read_text())
     steps = [step.get('run', '') for step in workflow['jobs']['image']['steps']]

@@ -43,7 +43,6 @@ def create_leftover_files(layout):
 
 
 def test_a_second_grading_names_the_first_one(tmp_path):
-    """A second run is refused and names the first; it can start once the first has ended."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         with pytest.raises(GraderError, match=f'a grading since .*, process {first.pid}'):
@@ -87,7 +86,6 @@ def test_unfinished_file_of_a_running_process_is_kept(tmp_path, monkeypatch):
 
 
 def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
-    """A run that ended normally leaves nothing, so the next one does not search."""
     layout = Layout(tmp_path)
     with lock_course(layout, 'a grading'):
         pass

@@ -33,7 +33,6 @@ def enough(run):
 
 
 def test_check_that_goes_through_the_events_gives_up_at_one():
-    """The first event that fails the check is the deviation; later events do not change it."""
     found = where(all_small, message(1, 1), message(2, 9), message(3, 9), message(4, 1))
 
     assert (found.index, found.how) == (1, 'cut')
@@ -49,7 +48,6 @@ def test_a_check_may_name_the_moment():
 
 
 def test_else_the_shortest_beginning_with_the_same_words_counts():
-    """The deviation is the last event of the shortest run that fails with the same message."""
     found = where(enough, *(message(second, 1) for second in range(10)))
 
     assert (found.index, found.how) == (2, 'cut')
@@ -68,8 +66,6 @@ def test_what_is_missing_is_shown_by_the_whole_run_only():
 
 
 def test_a_run_that_broke_off_deviates_where_it_ended():
-    """A run that broke off deviates at its end, not before its first message."""
-
     def never(run):
         raise Failed(expected='60', observed='the run ended before')
 
@@ -80,7 +76,6 @@ def test_a_run_that_broke_off_deviates_where_it_ended():
 
 
 def test_a_check_that_passes_or_looks_at_files_has_no_moment():
-    """A check that passes, or that reads files, has no deviation."""
     assert where(all_small, message(1, 1)) is None
     assert where(enough, *(message(1, 1) for _ in range(5)), static=True) is None
 

@@ -48,14 +48,12 @@ def test_absolute_name_is_distinguished_from_a_slip():
 
 
 def test_topics_that_come_with_a_node_are_no_slip():
-    """The topics that every lifecycle node has are not misspelt topics."""
     seen = run(endpoints=[end('/n/transition_event'), end('/rosout')])
 
     assert causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE).cause_id == 'no_endpoint'
 
 
 def test_another_topic_of_the_exam_is_no_slip():
-    """A node that uses only one of two topics has not misspelt the other one."""
     names = Names(published={'/speed': TYPE, '/turn': TYPE})
     seen = replace(run(endpoints=[end('/speed')]), facts={'exam_names': names})
 
@@ -76,7 +74,6 @@ def test_another_topic_of_the_exam_is_no_slip():
     ids=lambda value: value if isinstance(value, str) and '_' in value else '',
 )
 def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
-    """The cause names the existing endpoint that is most similar."""
     found = causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE)
 
     assert found.cause_id == cause_id
@@ -138,7 +135,6 @@ def test_slip_in_a_namespace_is_answered_with_the_relative_name():
 
 @pytest.mark.parametrize(('kind', 'cause'), [('NoneType', 'no_return'), ('bool', 'wrong_return')])
 def test_what_a_transition_callback_returns_is_reported(kind, cause):
-    """A missing return value and a wrong one have different causes."""
     error = f"AttributeError: '{kind}' object has no attribute 'to_label'"
 
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
@@ -226,7 +222,6 @@ def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, wor
 
 
 def test_comment_about_spinning_spins_nothing():
-    """A comment about spinning, as in the lesson's own files, is not a call."""
     code = 'def main():\n    # The pattern with rclpy.spin for a node.\n    Talker()\n\n\nmain()\n'
 
     found = causes.why_it_ended(Run({'n.py': code}, run(nodes=(), exit=0).recording))
@@ -319,7 +314,6 @@ def test_helper_that_nobody_spins_explains_nothing():
     ],
 )
 def test_silence_is_explained_by_what_the_code_lacks(code, cause_id):
-    """The cause names what the code lacks, or else says how to investigate."""
     seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
 
     assert causes.why_no_message(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
@@ -344,7 +338,6 @@ def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
 
 @pytest.mark.parametrize(('package', 'limits'), [('', Limits()), ('thermo', PACKAGE_LIMITS)])
 def test_shown_limits_are_the_enforced_ones(package, limits):
-    """The limits in the messages are those of the sandbox; a build has more processor time."""
     ended = {
         kind: causes.why_it_ended(Run({}, run(killed=kind).recording, {'package': package})).text
         for kind in causes.LIMITS

@@ -28,7 +28,6 @@ def test_line_missing_names_the_fix():
 
 
 def test_findings_nothing_prepared_names_every_requirement(tmp_path):
-    """In a fresh clone, every requirement has a line, and each missing one has a command."""
     (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
     found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
 
@@ -81,7 +80,6 @@ def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
 
 
 def test_check_python_none_found_says_what_to_install():
-    """If no Python is found, the line says how to install one."""
     finding = doctor.check_python(None, None)
 
     assert finding.state == doctor.MISSING
@@ -102,7 +100,6 @@ def test_check_python_incomplete_names_the_package():
 
 
 def test_check_packages_wrong_version_is_missing(tmp_path):
-    """A package with a wrong version is named with both versions."""
     site = tmp_path / '.venv' / 'lib' / 'python3.12' / 'site-packages'
     pins = pins_module.pins_for(LOCK_FILE.read_text(), '3.12')
     for name, version in pins.items():
@@ -144,7 +141,6 @@ def test_closed_shared_memory_is_missing_with_the_command_that_opens_it(monkeypa
     ],
 )
 def test_command_to_type_is_one_line_of_the_system(have, expected, monkeypatch):
-    """One command of this system's package manager installs everything that is missing."""
     tools = [tool for tool in system.TOOLS if tool.command in ('g++', 'bwrap')]
 
     monkeypatch.setattr(system.shutil, 'which', lambda name: name if name == have else None)

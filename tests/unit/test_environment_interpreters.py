@@ -82,7 +82,6 @@ def test_probe_broken_shim_gives_none(tmp_path, script):
 
 
 def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
-    """If a shim fails, the Python that pyenv has installed is still found."""
     shims = tmp_path / 'shims'
     real = tmp_path / 'pyenv' / 'versions' / '3.12.1' / 'bin'
     for folder in (shims, real):
@@ -128,7 +127,6 @@ def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
 
 
 def test_one_in_usr_local_hides_no_other(monkeypatch):
-    """Two interpreters with the same name are both tried."""
     monkeypatch.setattr(interpreters.shutil, 'which', lambda name, path=None: f'{path}/{name}')
 
     found = list(interpreters.candidates({'PATH': '/usr/local/bin'}))

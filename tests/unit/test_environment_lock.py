@@ -26,7 +26,6 @@ def test_lock_has_digests_and_no_addresses_or_paths():
 
 
 def test_lock_every_line_is_an_exact_pin():
-    """Every line is name==version, with a marker that the set-up can read."""
     for line in PINS:
         assert pins_module.PIN.match(line), line
         marker = line.partition(';')[2].partition('--hash')[0]
@@ -45,7 +44,6 @@ def test_lock_is_what_render_writes():
 
 @pytest.mark.parametrize('python', PREFERRED)
 def test_lock_has_every_direct_requirement(python):
-    """Each package of requirements.in is pinned for each Python, at the requested version."""
     pins = pins_module.pins_for(TEXT, python)
     for line in LOCK_FILE.with_suffix('.in').read_text(encoding='utf-8').splitlines():
         match = re.match(r'([A-Za-z0-9._-]+)(?:\[.*\])?(?:==(\S+))?\s*(;.*)?$', line)
@@ -81,7 +79,6 @@ def test_pins_for_sourced_leaves_ros_and_numpy_out():
 
 
 def test_merge_different_versions_get_markers():
-    """Pythons with the same version of a package share a line; a marker names them."""
     pins = {
         '3.10': {'a': '1', 'b': '1', 'c': '1', 'e': '1'},
         '3.11': {'a': '1', 'b': '2', 'c': '2'},
@@ -106,7 +103,6 @@ def test_merge_different_versions_get_markers():
 
 
 def test_pins_of_report_uses_one_spelling():
-    """All spellings of a name become one, and packages that are omitted on purpose are dropped."""
     named = (('Jinja2', '3.1.6'), ('jupyter_client', '8.10.0'))
     left_out = (('lark-parser', '0.12.0'), ('rfc3987-syntax', '1.1.0'))
     report = {
@@ -128,7 +124,6 @@ def test_pins_of_report_uses_one_spelling():
 
 
 def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
-    """Each Python gets the digest of its wheel, and the marker precedes the digests."""
     one, two = 'a' * 64, 'b' * 64
     line = 'x==1 ; python_version == "3.11"'
     (whole,) = lock.with_digests([line], [{'x==1': two}, {'x==1': one}, {'x==1': two}])

@@ -137,7 +137,6 @@ def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
 
 
 def test_named_packages_are_installed_and_others_removed(set_up):
-    """The note lists the version of each package and of the packages that it uses."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
 
@@ -155,7 +154,6 @@ def test_named_packages_are_installed_and_others_removed(set_up):
 
 
 def test_refused_file_installs_nothing(set_up):
-    """Packages that were already installed are kept."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
     set_up.go('ros-base-msgs==1.0\n')

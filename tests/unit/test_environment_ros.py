@@ -80,7 +80,6 @@ def test_describe_wheels_only_variables_have_the_workspace(places):
 
 
 def test_describe_sourced_keeps_the_shell_without_the_wheels(places):
-    """A sourced installation has its own paths; no variable for the wheels is set."""
     shell = {
         'AMENT_PREFIX_PATH': '/opt/ros/jazzy',
         'LD_LIBRARY_PATH': '/opt/ros/jazzy/lib',
@@ -203,7 +202,6 @@ def terminal(places):
 
 
 def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_path):
-    """The shell finds the course's ros2 at its start, and after the user's .bashrc has run."""
     said = ['the ros2 of the course']
 
     assert terminal('ros2\n', tmp_path, [str(places.terminal / 'shell')]) == said

@@ -39,7 +39,6 @@ def sourced(tmp_path, wheels):
 
 
 def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
-    """The shell's workspace and settings take precedence, and nothing is lost or repeated."""
     ours = wheels.variables['AMENT_PREFIX_PATH']
     shell = {
         'PATH': '/usr/bin',
@@ -56,7 +55,6 @@ def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
 
 
 def test_discovery_variables_leave_another_middleware_alone(wheels):
-    """The variables for Fast DDS are not set for a different middleware."""
     other = replace(wheels, variables={'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp'})
 
     assert ros2_command.discovery_variables(other) == {}
@@ -110,7 +108,6 @@ def run_main(places, ros: RosEnvironment, *arguments):
 
 
 def test_command_called_beside_a_real_one_starts_that(places, sourced):
-    """The course's command prints a notice and starts the real one."""
     done = run_main(places, sourced, 'topic', 'list')
 
     assert done.stdout == 'the real one: topic list\n'

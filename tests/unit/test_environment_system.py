@@ -66,7 +66,6 @@ def test_install_missing_update_fails_installs_from_old_lists(machine, monkeypat
 
 
 def test_install_missing_without_root_names_the_command(machine, monkeypatch):
-    """Without root and sudo, the error shows the one command to type."""
     monkeypatch.setattr(os, 'geteuid', lambda: 1000)
     log = add_apt(machine)
 

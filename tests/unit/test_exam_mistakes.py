@@ -78,7 +78,6 @@ class TestWhenItIsMade:
         ],
     )
     def test_a_contradiction_is_refused_with_its_place(self, scenario, said):
-        """The error names the exam, the step, and the expected and the actual value."""
         with pytest.raises(ExamInvalid) as refused:
             exam(**scenario)
 
@@ -127,7 +126,6 @@ class TestWithRos:
         assert 'environment/messages.txt' in line
 
     def test_values_that_their_fields_cannot_hold_are_named(self):
-        """The error names the exam, the step and the field at which the probe would fail."""
         wrong = [
             ('std_msgs/msg/Bool', {'data': 'yes'}, "'data'"),
             ('std_msgs/msg/Bool', {'data': 1}, "'data'"),

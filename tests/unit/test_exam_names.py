@@ -137,7 +137,6 @@ def feedback(line: str, error: str) -> str:
     ],
 )
 def test_advice_has_the_names_of_the_exam(line, error, words):
-    """Advice shows topics (without namespace), types and parameters, or the learner's names."""
     said = feedback(line, error)
 
     assert words in said
@@ -154,7 +153,6 @@ def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
 
 
 def test_names_come_from_all_steps():
-    """Names from later steps count too; an exam without names gets general words instead."""
     names = Names.of(
         Scenario(
             steps=(
@@ -174,7 +172,6 @@ def test_names_come_from_all_steps():
 
 @pytest.mark.parametrize('name', SHARED)
 def test_shared_advice_names_no_exercise(name):
-    """Shared advice contains no topic, parameter or message type of the course's exams."""
     every = [catalog.load(one, hidden=False).facts['exam_names'] for one in catalog.names(False)]
     topics = {topic.rpartition('/')[2] for one in every for topic in (*one.published, *one.heard)}
     parameters = {one for names in every for one in names.parameters}
@@ -198,7 +195,6 @@ def test_shared_advice_names_no_exercise(name):
 
 
 def test_bare_require_messages_asks_did_you_mean():
-    """The cause names a publisher on a similar topic, as in the course's own exams."""
     exam = rover()
     near = recording('', ('/qqqqqq/cmd_val', 'geometry_msgs/msg/Twist'))
     (check,) = judge(exam, Run({'rover.py': CODE}, near, exam.facts))
@@ -209,7 +205,6 @@ def test_bare_require_messages_asks_did_you_mean():
 
 
 def test_bare_require_messages_names_another_type():
-    """The topic is correct, but the type is not."""
     exam = rover()
     other = recording('', ('/qqqqqq/cmd_vel', 'std_msgs/msg/String'))
     (check,) = judge(exam, Run({'rover.py': CODE}, other, exam.facts))
@@ -219,7 +214,6 @@ def test_bare_require_messages_names_another_type():
 
 
 def test_bare_require_messages_takes_what_came_on_the_topic():
-    """The check accepts the required number of messages."""
     exam = rover()
     event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
     end = {
@@ -247,7 +241,6 @@ def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
 
 @pytest.mark.parametrize('topic', ['', '/cmd_val'])
 def test_topic_that_the_scenario_does_not_watch_is_a_mistake_of_the_exam(topic):
-    """The message lists the topics that the scenario watches."""
     exam = rover()
     with pytest.raises(ExamInvalid, match=r"watches \('/qqqqqq/cmd_vel'\), got"):
         require_messages(Run({}, recording(), exam.facts), topic=topic)

@@ -351,7 +351,6 @@ def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
     ],
 )
 def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):
-    """The fix depends on the type of the field: a float and a string need different fixes."""
     name = 'sec' if '.sec' in line else 'stamp' if '.stamp' in line else 'data'
     name = 'pose' if '.pose' in line else name
 

@@ -42,7 +42,6 @@ def cells(data, delimiter=','):
 
 
 def test_one_column_is_filled_and_every_other_cell_stays():
-    """The order of the cells and the lines above the students do not change."""
     done = fill(marks(ada=6.25))
     before, after = cells(book()), cells(done.data)
 
@@ -60,7 +59,6 @@ def test_one_column_is_filled_and_every_other_cell_stays():
 
 @pytest.mark.parametrize('student', ['ada', 's11', '11'])
 def test_a_student_is_found_by_any_id(student):
-    """A student is found by SIS Login ID, SIS User ID or ID."""
     done = fill([Mark(student, 1.0, 6.5)])
 
     assert cells(done.data)[3][7] == '1'
@@ -77,7 +75,6 @@ def test_an_id_that_collect_had_to_change_is_found(login):
 
 @pytest.mark.parametrize('student', ['Lovelace, Ada', 'ADA', 'ad', 'adaa', ''])
 def test_nobody_is_guessed(student):
-    """The export matches only exact ids, not names or similar ids."""
     done = fill([Mark(student, 1.0, 6.5)])
 
     assert cells(done.data) == cells(book())
@@ -101,7 +98,6 @@ def test_two_students_of_one_line_get_nothing():
 
 
 def test_no_mark_leaves_the_cell_as_it_is():
-    """A submission that is for review or waits for a manual grade gets no zero."""
     given = [Mark('ada', None, 6.5, REVIEW), Mark('bob@uni.example', None, 6.5, BY_HAND)]
     done = fill(given)
 
@@ -113,7 +109,6 @@ def test_no_mark_leaves_the_cell_as_it_is():
 
 
 def test_excused_stays_excused():
-    """An excused student remains excused, and the report mentions this."""
     done = fill(marks(eve=6.5))
 
     assert cells(done.data)[5][7] == 'EX'
@@ -134,13 +129,11 @@ def test_the_same_points_are_no_change():
 
 @pytest.mark.parametrize('column', ['Talker (102)', 'Talker', '102'])
 def test_the_column_is_named_by_header_title_or_id(column):
-    """The column is found by its header, its title or its id."""
     assert fill(marks(ada=1.0), column=column).column == 'Talker (102)'
 
 
 @pytest.mark.parametrize('column', ['Final Score', 'Notes', 'ID', 'Talkers', ''])
 def test_only_an_assignment_can_be_filled(column):
-    """A column with totals is refused, and the error lists the assignments."""
     with pytest.raises(GraderError, match=r'Columns: Quiz 1 \(101\); Talker \(102\)'):
         fill(marks(ada=1.0), column=column)
 
@@ -193,7 +186,6 @@ def test_first_and_last_name_may_have_columns_of_their_own():
     ],
 )
 def test_another_file_is_refused(data, got):
-    """The error says what was found and where to get the correct file."""
     with pytest.raises(GraderError, match=got) as refused:
         fill(marks(ada=1.0), data or b'\n')
 

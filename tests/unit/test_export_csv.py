@@ -52,7 +52,6 @@ def marks_of(graded):
 
 
 def test_each_submission_has_a_row():
-    """Each submission has a row, and its numbers are written as numbers."""
     ann, bob, _, hostile = marks_of(CLASS)
 
     assert (ann['points'], ann['max_points'], ann['status']) == ('2', '6.5', 'graded')
@@ -62,7 +61,6 @@ def test_each_submission_has_a_row():
 
 
 def test_a_student_without_a_submission_has_a_row_without_points():
-    """A missing student has no points. Without a penalty, the late points are empty."""
     late = replace(automatic(CLASS.results[0]), points=1.5, late_points=0.5)
     rows = rfc4180(marks_csv([late, ABSENT], {'zoe': 'Zoe Example'}))
     ann, zoe = (dict(zip(rows[0], row)) for row in rows[1:])
@@ -123,7 +121,6 @@ def test_hostile_words_stay_in_their_cell():
 @settings(deadline=None, max_examples=40)
 @given(strategies.lists(strategies.lists(strategies.text(), min_size=2, max_size=2), max_size=5))
 def test_any_text_keeps_the_grammar(rows):
-    """Any strings give valid CSV, from which Python's reader returns the same cells."""
     data = csv_bytes(['a', 'b'], rows)
 
     read = rfc4180(data)
@@ -132,7 +129,6 @@ def test_any_text_keeps_the_grammar(rows):
 
 
 def test_the_hostile_text_is_hostile():
-    """The hostile text contains the characters that the other tests look for."""
     assert FORMULA in EVIL
     assert '\x00' in EVIL
 

@@ -50,7 +50,6 @@ def test_canvas_finds_user_and_attachment_of_what_was_collected(tmp_path, layout
 
 @pytest.mark.parametrize('download', ['folders', 'files'])
 def test_moodle_finds_the_participant(tmp_path, layout, download):
-    """Moodle recognises the names for a download with folders and for one with files."""
     files = MOODLE
     if download == 'files':
         files = {

@@ -18,7 +18,6 @@ def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
 
 
 def test_a_file_that_is_there_stays_unless_forced(tmp_path):
-    """Without --force, an existing file is kept, and the error names the option."""
     path = tmp_path / 'marks.csv'
     path.write_bytes(b'old')
 
@@ -61,7 +60,6 @@ def test_a_link_is_something_that_is_there(tmp_path):
 
 
 def test_a_folder_is_not_replaced(tmp_path):
-    """A folder is not replaced, even with --force."""
     with pytest.raises(GraderError, match='this is a folder'):
         refuse_existing([tmp_path], force=True)
 
@@ -69,7 +67,6 @@ def test_a_folder_is_not_replaced(tmp_path):
 @pytest.mark.parametrize('letter', ['x', 'ü', 'Щ', '漢', '\N{GRINNING FACE}', '~', '.'])
 @pytest.mark.parametrize('count', [1, 42, 100, 1000])
 def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
-    """A name that is too long is shortened, and still differs if the last letter differs."""
     names = [safe_name(letter * count + end) for end in ('', 'a', 'b')]
 
     assert len(set(names)) == 3

@@ -82,7 +82,6 @@ def archive():
 
 class TestResults:
     def test_every_graded_submission_keeps_the_rules(self):
-        """Results follow the rules, and hostile strings are shown as text."""
         for result in CLASS.results:
             if not result.review:
                 data = json.loads(json_bytes(results_of(result)))
@@ -91,7 +90,6 @@ class TestResults:
                 assert '\x1b' not in data['output']
 
     def test_the_score_is_the_sum_of_the_tests(self):
-        """Students see the score and the tests, and both agree."""
         data = results_of(submission())
 
         assert data['score'] == sum(test['score'] for test in data['tests']) == 2.0
@@ -100,7 +98,6 @@ class TestResults:
         assert data['execution_time'] == 1.25
 
     def test_a_failed_check_says_why_and_a_waiting_one_for_what(self):
-        """A failed check shows all parts of its verdict; a waiting one names the other check."""
         _, warns, stops = results_of(submission())['tests']
 
         assert warns['output'].splitlines() == [
@@ -126,7 +123,6 @@ class TestResults:
 
     @pytest.mark.parametrize('visibility', VISIBILITIES)
     def test_students_see_tests_when_it_was_chosen(self, visibility):
-        """Students see the tests only if the option allows it, and never the grader's output."""
         data = results_of(FULL, visibility)
 
         assert {data['visibility'], *(test['visibility'] for test in data['tests'])} == {
@@ -146,7 +142,6 @@ class TestResults:
 
 class TestZip:
     def test_the_two_files_of_the_specification_are_executable_at_the_root(self, archive):
-        """The two scripts are not in a folder of the zip, and are executable."""
         for name in ('setup.sh', 'run_autograder'):
             entry = archive.getinfo(name)
             assert stat.S_IMODE(entry.external_attr >> 16) == 0o755
@@ -158,7 +153,6 @@ class TestZip:
             subprocess.run(['bash', '-n', tmp_path / name], check=True)
 
     def test_it_holds_what_grading_needs(self, archive):
-        """The zip contains the hidden exams, the release, the reference and the set-up."""
         names = archive.namelist()
 
         for name in (
@@ -178,7 +172,6 @@ class TestZip:
         assert imported <= {name.partition('/')[0] for name in names}
 
     def test_it_has_the_same_hidden_inputs(self, archive):
-        """From the work folder, the zip contains only the secret."""
         work = [name for name in archive.namelist() if name.startswith('autograder/_work')]
 
         assert work == ['autograder/_work/course_secret']
@@ -186,7 +179,6 @@ class TestZip:
         assert stat.S_IMODE(archive.getinfo(work[0]).external_attr >> 16) == 0o600
 
     def test_it_is_small_enough_and_of_plain_names(self, archive):
-        """The zip contains no build, no link and no path that leads out of the folder."""
         for entry in archive.infolist():
             assert not os.path.isabs(entry.filename)
             assert not {'..', '__pycache__', 'ros_ws', '.git'} & set(entry.filename.split('/'))
@@ -227,6 +219,5 @@ class TestZip:
         assert capsys.readouterr().out == said
 
     def test_the_students_copy_cannot_make_one(self, tmp_path):
-        """A students' copy is refused, because it has no hidden exams."""
         with pytest.raises(GraderError, match='copy of the course has no hidden'):
             autograder_zip(Layout(tmp_path), ASSIGNMENT)

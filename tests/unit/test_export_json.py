@@ -24,7 +24,6 @@ def document():
 
 
 def test_the_schema_is_one_of_the_draft_that_it_names():
-    """The schema is valid, and names the format and the version that the export writes."""
     Draft202012Validator.check_schema(SCHEMA)
 
     assert SCHEMA['properties']['format']['const'] == FORMAT
@@ -47,7 +46,6 @@ def test_a_class_follows_the_schema(document):
 
 
 def test_for_review_has_no_points_anywhere():
-    """A submission for review has no points, and neither do its exams and checks."""
     review = ClassResults(REVIEW.assignment, (REVIEW,))
     (one,) = json.loads(results_json(marked(review)))['submissions']
 
@@ -70,7 +68,6 @@ def test_for_review_has_no_points_anywhere():
     ],
 )
 def test_the_schema_refuses_what_contradicts_itself(document, number, change):
-    """The schema refuses a review with points, a grade without points, and unknown fields."""
     wrong = copy.deepcopy(document)
     wrong['submissions'][number].update(change)
 
@@ -79,7 +76,6 @@ def test_the_schema_refuses_what_contradicts_itself(document, number, change):
 
 
 def test_every_field_is_required(document):
-    """All fields are required, so that programs can rely on them."""
     parts = [
         (document, '$'),
         (document['submissions'][0], 'submission'),
@@ -96,7 +92,6 @@ def test_every_field_is_required(document):
 
 
 def test_visible_checks_alone_have_no_points_anywhere():
-    """A submission with only visible checks has no points, as in every other export."""
     data = json.loads(results_json(marked(ClassResults(VISIBLE.assignment, (VISIBLE,)))))
     VALID.validate(data)
     (one,) = data['submissions']

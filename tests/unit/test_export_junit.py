@@ -57,7 +57,6 @@ def read(*results, absent=()):
 
 
 def test_verdicts_become_passed_failure_and_skipped():
-    """A failed check shows all parts of its verdict."""
     (suite,) = read(submission())
     runs, warns, stops = suite.findall('testcase')
 
@@ -79,7 +78,6 @@ def test_for_review_is_an_error_of_its_own():
 
 
 def test_a_class_keeps_the_rules_whatever_it_wrote():
-    """Markup and forbidden characters do not break the document."""
     root = read(*CLASS.results)
 
     assert [len(list(suite)) > 0 for suite in root] == [True] * 5

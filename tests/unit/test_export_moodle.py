@@ -73,7 +73,6 @@ def test_a_replaced_grade_is_reported(student):
 
 
 def test_a_missing_student_keeps_the_cell():
-    """The cell of a missing student is kept and gets no zero."""
     done = moodle.fill(sheet(), 'g.csv', [Mark('Bo Berg', None, 6.5, MISSING)], {})
 
     assert done.left_out == [('Bo Berg', 'nothing handed in; Moodle keeps 3.00')]
@@ -81,7 +80,6 @@ def test_a_missing_student_keeps_the_cell():
 
 
 def test_a_worksheet_in_a_different_language_needs_the_name_of_its_column():
-    """The error lists the columns."""
     data = sheet(header=HEADER.replace(',Grade,', ',Bewertung,'))
     with pytest.raises(GraderError, match=r"no column 'Grade'.* Bewertung, Maximum Grade"):
         fill({'Ann Example': 1.0}, data)
@@ -105,7 +103,6 @@ def test_a_different_maximum_is_refused_or_scaled():
     'data', [b'', b'Student,ID\nann,x\n', HEADER.encode(), 'J\xf6rg'.encode('latin-1')]
 )
 def test_a_different_file_is_refused(data):
-    """The error says where to get the correct file."""
     with pytest.raises(GraderError, match='not a grading worksheet') as refused:
         moodle.fill(data, 'g.csv', [], {})
 

@@ -70,12 +70,10 @@ def test_answers_become_files_without_their_magic_line():
 
 
 def test_an_untouched_stub_is_a_file_too():
-    """An untouched stub is a file; the exam says that the answer is not written yet."""
     assert 'NotImplementedError' in files_of()['talker'].files['talker.py']
 
 
 def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
-    """A missing cell gives no file, unlike an untouched stub."""
     found = files_of(talker=None)
 
     assert found['talker'].files == {}
@@ -111,8 +109,6 @@ def test_blank_lines_above_the_magic_line_are_fine():
 
 
 def test_an_answer_that_is_not_there_points_to_the_note_that_says_why():
-    """In a damaged notebook, an answer that is missing points to the note about the damage."""
-
     def result(exam):
         missing = {'cause': 'The cell is missing.', 'cause_id': 'missing_file'}
         check = CheckResult('runs', 'It runs.', Verdict.FAILED, 0, 1, **missing)

@@ -114,7 +114,6 @@ class TestGraph:
     """The graph shows which endpoints do not connect."""
 
     def test_another_topic_is_beside_the_expected_one(self):
-        """The expected topic is dashed, with the reason."""
         picture = drawn(recorded(ends=[end('/lab/chater')]), WRONG)
         shown = {
             (one['node'], one['topic'], one['matched'], one['remark']) for one in picture['arrows']
@@ -208,7 +207,6 @@ class TestTimeline:
     """The timeline shows messages that came too rarely, too often or too late."""
 
     def test_the_rows_are_what_was_due_and_what_came(self):
-        """One row has the expected times and one the observed times; the deviation is marked."""
         failure = Failed(**RATE, at=3 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one + 0.1) for one in (1, 2, 4))), failure)
         due, came = picture['rows']
@@ -229,7 +227,6 @@ class TestTimeline:
         assert 'ROS seconds' in picture_html(picture)
 
     def test_words_tell_the_part_that_is_shown_from_the_whole(self):
-        """The text gives the number of all messages, and of those in the picture."""
         failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
         words = timeline_words(picture)
@@ -238,7 +235,6 @@ class TestTimeline:
         assert f'59 in the run, {shown} of them shown, from' in words
 
     def test_silence_is_a_row_too(self):
-        """Without messages, the row of expected times is above an empty row."""
         picture = drawn(recorded(), Failed(**RATE, every_s=1.0))
 
         assert [row['count'] for row in picture['rows']] == [10, 0]
@@ -261,13 +257,11 @@ class TestTimeline:
         assert (picture['begin'], picture['end']) == (0.0, 3.0)
 
     def test_line_of_another_logger_is_not_counted(self):
-        """A check of a single node ignores another logger's lines too."""
         picture = of_lines(logged(1, 'mine'), logged(2, 'lab.talker.child'))
 
         assert picture['rows'][1]['times'] == [3.0]
 
     def test_difference_at_an_input_that_was_not_sent_is_on_the_axis(self):
-        """The rows end where the run ended; the mark is at the missing input."""
         picture = of_lines(logged(0), logged(1), logged(2), place=4)
 
         assert (picture['end'], picture['deviation']) == (5.0, 5.0)
@@ -286,7 +280,6 @@ class TestTimeline:
 
     @pytest.mark.parametrize('name', ['/lab/keeper', 'the keeper'])
     def test_lines_are_those_of_the_node_that_is_meant(self, name):
-        """If a program has two nodes, the lines are those of the node in the check."""
         log = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
         failure = Failed(expected=f'7 INFO lines from {name} in 14 s', observed='none')
         picture = drawn(
@@ -321,7 +314,6 @@ class TestTimeline:
         )
 
     def test_part_of_a_long_run_shows_every_message(self):
-        """If a message were left out, the picture would seem to show a missed period."""
         events = [said(number / 2) for number in range(1000)]
         picture = drawn(recorded(*events), Failed(**RATE, at=100 * SECOND, every_s=1.0))
 
@@ -365,7 +357,6 @@ class TestDrawing:
         return drawn(recorded(said(1, EVIL), ends=[end(EVIL)]), failure, watch={EVIL: TYPE})
 
     def test_it_is_well_formed_and_has_a_name_and_words(self, picture):
-        """The picture has a name and a description; it runs no code and loads no file."""
         page = picture_html(picture)
         tree = ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
         names = {one.tag.rpartition('}')[2] for one in tree.iter()}
@@ -377,7 +368,6 @@ class TestDrawing:
         assert 'http' not in page.replace('http://www.w3.org/2000/svg', '')
 
     def test_equal_results_give_equal_pages(self, picture):
-        """The pages contain no id that depends on the process."""
         assert picture_html(picture) == picture_html(json.loads(json.dumps(picture)))
 
     def test_it_is_part_of_the_feedback(self, picture):
@@ -386,7 +376,6 @@ class TestDrawing:
         assert '<svg' not in exam_html(ExamResult('talker', ()))
 
     def test_size_is_bounded(self, monkeypatch):
-        """The size is limited, even for endless messages and names."""
         monkeypatch.setattr(picture_data, 'MOST_EVENTS', 1000)
         topic = f'/{"x" * 255}'
         events = [said(one / 1000, topic) for one in range(20_000)]

@@ -168,7 +168,6 @@ class TestNightWatch:
         assert cause_of(night_watch.lines_are_numbered, run) == cause_id
 
     def test_rate_that_is_even_is_reported_and_one_with_holes_is_not(self):
-        """One line every two seconds is an even rate; a rhythm with gaps has no rate."""
         other = [line if number % 2 else None for number, line in enumerate(watches(), 1)]
         holes = [None if number in (4, 9) else line for number, line in enumerate(watches(), 1)]
         check = night_watch.reports_every_second
@@ -207,7 +206,6 @@ class TestHarbour:
         ],
     )
     def test_other_rhythm_is_explained(self, moments, code, cause_id):
-        """If the keeper is silent, its code helps to find the cause."""
         run = self.keeper(*moments, code=code)
 
         assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
@@ -381,7 +379,6 @@ class TestCourier:
         ],
     )
     def test_second_parcel_is_explained(self, heard, cause_id):
-        """The second parcel goes to the same subscription, or to one that joins later."""
         assert cause_of(courier.delivers_once, self.run_of(*heard)) == cause_id
 
     def test_parcel_that_nobody_could_receive_counts(self):

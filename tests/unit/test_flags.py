@@ -66,7 +66,6 @@ def test_what_is_odd_is_said(run, flag):
 
 
 def test_two_nodes_have_two_publishers_each_of_their_own():
-    """Each of two nodes may have its own publisher on /rosout."""
     run = recording(nodes=[NODE, '/listener'], endpoints=[end('/rosout', '/listener')])
 
     assert flags_of(run, Scenario()) == ()

@@ -60,7 +60,6 @@ def test_list_has_everything_and_changes_nothing(course, capsys):
 
 
 def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
-    """A student without a submission also leaves the list of missing work in the reports."""
     laid(course.work, {'feedback/1001/x.html': b''})
     write_all_reports(course, TALK, [submission('1001'), submission('1002')])
     page = course.reports / TALK / 'class.html'

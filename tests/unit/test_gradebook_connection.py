@@ -34,7 +34,6 @@ def test_a_gradebook_that_is_not_there_yet_is_not_made(tmp_path):
 
 
 def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
-    """The message shows no password, whether or not the optional driver is installed."""
     url = 'postgresql+psycopg://grader:secret@127.0.0.1:1/marks'
 
     with pytest.raises(GraderError) as caught, connected(course(tmp_path, url)):
@@ -122,7 +121,6 @@ def test_a_new_gradebook_begins_without_journals(tmp_path):
 
 @pytest.mark.slow
 def test_a_locked_gradebook_file_is_one_line(filled):
-    """The message tells the instructor to close the program that holds the lock."""
     with closing(sqlite3.connect(filled.root / 'gradebook.db')) as other:
         other.execute('begin exclusive')
         with pytest.raises(GraderError) as caught:
@@ -165,7 +163,6 @@ def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkey
 
 @pytest.mark.nbgrader
 def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
-    """The message contains no traceback from SQLAlchemy."""
     from autograder.gradebook.converters import opened_gradebook
 
     (tmp_path / 'gradebook.db').write_bytes(b'no database' * 100)

@@ -63,7 +63,6 @@ def at(monkeypatch):
 
 
 def test_a_copy_has_what_the_gradebook_had(course, at):
-    """The copy is named after its date, and no unfinished file is left."""
     copy = save_copy(course)
     submit(course, 'cho')
 
@@ -84,7 +83,6 @@ def test_an_unchanged_gradebook_is_not_copied_again(course, at):
 
 
 def test_number_of_copies_is_bounded(course, at, monkeypatch):
-    """The newest copies and the first copy of each recent day are kept."""
     monkeypatch.setattr(database, 'MAX_RECENT', 2)
     monkeypatch.setattr(database, 'MAX_DAYS', 3)
     for day in range(5):
@@ -104,7 +102,6 @@ def test_number_of_copies_is_bounded(course, at, monkeypatch):
 
 
 def test_size_of_copies_is_bounded(course, at, monkeypatch):
-    """The newest copy is kept, whatever its size is."""
     size = save_copy(course).stat().st_size
     monkeypatch.setattr(database, 'MAX_BYTES', 2 * size + 100)
     for day in range(1, 4):
@@ -150,7 +147,6 @@ def take_rows(path):
 
 @pytest.mark.parametrize('damage', [empty, truncate, break_off_early, replace_by_text, take_rows])
 def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, damage):
-    """The message shows the command that restores the copy."""
     save_copy(course)
     damage(gradebook(course))
     broken = gradebook(course).read_bytes()
@@ -181,7 +177,6 @@ def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
 
 
 def test_without_a_copy_a_backup_is_asked_for(course):
-    """Without a copy, no command can restore the gradebook."""
     empty(gradebook(course))
 
     with pytest.raises(
@@ -210,7 +205,6 @@ def test_any_journal_with_an_entry_shows_that_a_gradebook_was_filled(course, nam
 
 
 def test_an_empty_file_that_was_never_filled_is_fine(course):
-    """If a gradebook was never filled, it may be empty or missing: the next run creates it."""
     journal = course.work / 'entered' / '01.json'
     journal.unlink()
     empty(gradebook(course))
@@ -223,7 +217,6 @@ def test_an_empty_file_that_was_never_filled_is_fine(course):
 
 
 def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
-    """A locked gradebook cannot be copied, and the error is one line."""
     connect = sqlite3.connect
     monkeypatch.setattr(database.sqlite3, 'connect', lambda path: connect(path, timeout=0))
     holder = connect(gradebook(course))

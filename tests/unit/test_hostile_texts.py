@@ -38,7 +38,6 @@ def test_a_file_of_line_ends_is_searched_once(text):
 
 
 def test_a_constant_in_another_unit_is_still_found():
-    """A period of 500 is read as milliseconds."""
     run = Run({'x.py': 'class A:\n    PERIOD = 500\n\n    create_timer(PERIOD, f)\n'}, ENDED)
     assert why_late(run).cause_id == 'period_unit'
 

@@ -26,7 +26,6 @@ def look(tmp_path, known=(LESSON, '02_other')):
 
 
 def test_students_come_in_the_order_of_their_names(tmp_path, hand_in):
-    """The students have the same order in every report."""
     for name in ('zoe', 'ann', 'bob-2', 'x.y@z'):
         hand_in(name)
 
@@ -145,7 +144,6 @@ def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, n
 
 
 def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
-    """The problem shows the size of the file."""
     monkeypatch.setattr(reading, 'MAX_BYTES', 2**20)
     hand_in('ann', data=b' ' * (3 * 2**20))
 

@@ -34,7 +34,6 @@ def test_purpose_exam_and_secret_each_change_the_inputs(monkeypatch):
 
 
 def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
-    """The file is kept, and no other user can read it."""
     monkeypatch.delenv('COURSE_SECRET', raising=False)
     monkeypatch.setattr(Layout, 'secret', tmp_path / 'work' / 'secret')
     first = inputs.course_secret()

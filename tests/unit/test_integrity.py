@@ -42,7 +42,6 @@ def flags(notebook):
 
 
 def test_work_in_a_notebook_is_no_change(student):
-    """Answers, outputs, new cells and the metadata of editors are not reported."""
     student['cells'][ANSWER]['source'] = '%%node talker\nprint(1)'
     student['cells'][ANSWER]['metadata']['tags'] = ['mine']
     student['cells'][CHECK].update(outputs=[{'output_type': 'stream'}], execution_count=7, id='x')
@@ -61,7 +60,6 @@ def test_points_with_a_fraction_of_nothing_are_the_same_points(student):
 
 
 def test_points_of_a_fraction_are_points(student, monkeypatch):
-    """A check may be worth two and a half points."""
     monkeypatch.setitem(RELEASE['cells'][CHECK]['metadata']['nbgrader'], 'points', 2.5)
     student['cells'][CHECK]['metadata']['nbgrader']['points'] = 2.5
 
@@ -108,7 +106,6 @@ def test_change_is_one_line(student, change, line):
 
 
 def test_lines_are_bounded(student):
-    """A thousand unknown cells give a limited number of lines, and the number of the others."""
     student['cells'] += [cell(f'x{number}', '') for number in range(1000)]
     found = flags(student)
 

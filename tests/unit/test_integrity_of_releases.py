@@ -67,7 +67,6 @@ def without_ids(path: Path) -> str:
 @pytest.mark.parametrize('lesson', LESSONS)
 @pytest.mark.parametrize('saved', [as_jupyterlab, as_compact_json, after_running, without_ids])
 def test_saving_again_is_no_change(lesson, saved):
-    """The copy gives no flag and no problem, and the rebuilt notebook is the same."""
     path, release = release_of(lesson)
     opened = open_submission(saved(path).encode(), release, path.name)
     untouched = open_submission(path.read_bytes(), release, path.name)
@@ -137,7 +136,6 @@ PLACES = list(places(SMALL))
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), ODD), min_size=1, max_size=4))
 def test_no_damage_stops_the_grader_or_changes_a_locked_cell(damages):
-    """Whatever the damage, the graded notebook is the release with the student's answers."""
     release = copy.deepcopy(SMALL)
     for cell in release['cells']:
         cell['source'] = ''.join(cell['source'])
