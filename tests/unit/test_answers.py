@@ -148,8 +148,7 @@ def test_visible_check_looks_at_the_form_only():
 
 
 def test_visible_check_names_the_questions_without_a_letter():
-    files = {path_of('q01'): "'a'\n", path_of('q02'): 'b\n'}
-    (one,) = results(files, hidden=False).values()
+    (one,) = results({path_of('q01'): "'a'\n", path_of('q02'): 'b\n'}, hidden=False).values()
 
     assert one.verdict is Verdict.FAILED
     assert one.observed == (

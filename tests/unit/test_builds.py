@@ -140,9 +140,7 @@ def test_line_of_setup_py_is_named():
 
 def test_missing_message_package_of_others_is_named_with_the_file_to_edit():
     """A package that is not installed is named, because its name may be misspelt."""
-    printed = PRINTED['package_not_found'].replace('builtin_interface', 'toy_msgs')
-
-    diagnosis = diagnose(printed, {})
+    diagnosis = diagnose(PRINTED['package_not_found'].replace('builtin_interface', 'toy_msgs'), {})
 
     assert diagnosis.cause_id == 'package_not_found'
     assert diagnosis.text == "CMakeLists.txt: There is no package 'toy_msgs'."

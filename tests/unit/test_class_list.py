@@ -6,7 +6,6 @@ from collect_sources import (
     collect,
     GOOD,
     laid,
-    layout,  # noqa: F401 - a fixture
     LISTEN,
     TALK,
 )
@@ -144,13 +143,16 @@ def test_without_the_file_the_gradebook_decides(layout):
         ('ann,,nan', 'expected hours'),
     ],
 )
-def test_a_wrong_extension_is_refused_with_its_place(layout, row, why):
+def test_a_wrong_extension_is_refused_with_its_place(gather, layout, row, why):
     """A misspelt name is refused, so that no student loses points."""
     laid(layout.work, {'extensions.csv': f'student,assignment,hours\n{row}\n'.encode()})
 
     with pytest.raises(GraderError, match=why):
         extensions(layout)
-    source = laid(layout.root / 'class', {f'{name}/talk.ipynb': GOOD for name in ('ann', 'bob')})
     with pytest.raises(GraderError, match=why):
-        collect(source, layout, layout.submitted)
+        collect(
+            laid(layout.root / 'class', {f'{name}/talk.ipynb': GOOD for name in ('ann', 'bob')}),
+            layout,
+            layout.submitted,
+        )
     assert not layout.submitted.exists()

@@ -228,8 +228,7 @@ class TestPage:
             assert (path.parent / link).is_file(), link
 
     def test_the_picture_is_also_a_table(self, tmp_path):
-        page = page_of(tmp_path, *with_points(0, 5, 10, 10))
-        parts = read(page)
+        parts = read(page_of(tmp_path, *with_points(0, 5, 10, 10)))
 
         (svg,) = parts('svg')
         identifiers = {part['id'] for part in parts(id=True)}

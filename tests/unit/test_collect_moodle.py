@@ -4,7 +4,6 @@ from collect_sources import (
     GOOD,
     kind,
     laid,
-    layout,  # noqa: F401 - a fixture
     LISTEN,
     MOODLE,
     notebook,
@@ -24,9 +23,9 @@ from autograder.errors import GraderError
 class TestMoodle:
     """Moodle names folders, or files, ``NAME_NUMBER_assignsubmission_file``."""
 
-    def test_names_become_ids(self, tmp_path, layout):
+    def test_names_become_ids(self, gather):
         """The name becomes the id, because the number changes with the assignment."""
-        rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+        rows = gather(MOODLE, packed)
 
         done = {row.student: row.done for row in rows}
         assert done == {'Ann Example': TAKEN, 'Bo Berg': TAKEN, 'Li Wei': LEFT, 'Dee': LEFT}
@@ -116,34 +115,34 @@ class TestMoodle:
             rows = collect(source, layout, layout.submitted)
             assert [row.done for row in rows] == [TAKEN, TAKEN]
 
-    def test_a_memory_that_is_a_link_is_called_a_link(self, tmp_path, layout):
+    def test_a_memory_that_is_a_link_is_called_a_link(self, gather, layout):
         laid(layout.work, {'real.json': b'[]'})
         layout.collected.symlink_to(layout.work / 'real.json')
 
         with pytest.raises(GraderError, match='that collect has seen, got a symbolic link'):
-            collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+            gather(MOODLE, packed)
 
-    def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
+    def test_a_memory_that_cannot_be_written_is_one_line(self, gather, layout, monkeypatch):
         def full(*_):
             raise OSError(28, 'No space left on device')
 
         monkeypatch.setattr('autograder.classroom.tables.write_atomically', full)
 
-        rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+        rows = gather(MOODLE, packed)
 
         assert rows[0].place == str(layout.collected)
         what = 'names, numbers from Moodle and missing work'
         assert rows[0].notes == (f'{what} cannot be written: no space left on device',)
         assert f'Bo Berg/{TALK}/talk.ipynb' in taken(layout)
 
-    def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):
+    def test_a_file_called_like_somebody_elses_stays_its_owners(self, gather):
         """Only the first number in a file name counts, because the student chose the rest."""
         files = {
             'Ann_311_assignsubmission_file_Bo_312_assignsubmission_file_talk.ipynb': GOOD,
             'Cy_313_assignsubmission_file_talk.ipynb': GOOD,
         }
 
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+        rows = gather(files, packed)
 
         assert {row.student for row in rows} == {'Ann', 'Cy'}
 
@@ -155,36 +154,36 @@ class TestMoodle:
             ('Ann_314', 'an online text, which is not collected'),
         ],
     )
-    def test_an_unclear_name_comes_before_a_wrong_type(self, name, why, tmp_path, layout):
+    def test_an_unclear_name_comes_before_a_wrong_type(self, name, why, gather):
         files = {
             'Li Wei_313_assignsubmission_file/talk.ipynb': GOOD,
             f'{name}_assignsubmission_onlinetext/onlinetext.html': b'<p>',
         }
 
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+        rows = gather(files, packed)
 
         assert notes(rows)[f'{name}_assignsubmission_onlinetext'][0].startswith(why)
 
-    def test_two_folders_of_one_text_are_both_in_the_table(self, tmp_path, layout):
+    def test_two_folders_of_one_text_are_both_in_the_table(self, gather):
         files = {
             'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>',
             'Ann_311_assignsubmission_onlinetext_/onlinetext.html': b'<p>',
         }
 
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+        rows = gather(files, packed)
 
         assert {row.place for row in rows} == {name.split('/')[0] for name in files}
         assert len(rows) == len(files)
 
-    def test_file_and_text_of_one_student_are_two_lines(self, tmp_path, layout):
+    def test_file_and_text_of_one_student_are_two_lines(self, gather):
         files = {
             'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>see file',
             'Default group_assignsubmission_file/talk.ipynb': GOOD,
         }
 
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+        rows = gather(files, packed)
 
         assert table(rows) == {
             ('Ann', 'Ann_311_assignsubmission_file'): TAKEN,

@@ -6,9 +6,9 @@ import tracemalloc
 from collect_sources import (
     collect,
     DAMAGED,
+    done,
     GOOD,
     laid,
-    layout,  # noqa: F401 - a fixture
     limit,
     LISTEN,
     notebook,
@@ -29,15 +29,11 @@ from autograder.submission.tree import UnusableUploadError
 STRANGE = 'it contains no cell of the assignment'
 
 
-def done(rows) -> list[tuple[str, str, str]]:
-    return sorted((row.student, row.assignment, row.done) for row in rows)
-
-
 class TestSeveralAssignments:
     """A student's folder or repository may contain all assignments."""
 
     @pytest.mark.parametrize('place', ['{}/notebooks/{}/{}.ipynb', '{}/{}/{}.ipynb'])
-    def test_one_notebook_of_each_is_taken(self, place, tmp_path, layout):
+    def test_one_notebook_of_each_is_taken(self, place, gather):
         """A lesson without graded cells is recognised by its file name."""
         files = {
             place.format(name, lesson, lesson[3:]): data
@@ -45,25 +41,21 @@ class TestSeveralAssignments:
             for lesson, data in ((TALK, GOOD), (LISTEN, OTHER), (SPIN, OWN))
         }
 
-        rows = collect(laid(tmp_path / 'class', files), layout, layout.submitted)
+        rows = gather(files)
 
         assert done(rows) == [
             (name, lesson, TAKEN) for name in ('ann', 'bob') for lesson in (TALK, LISTEN, SPIN)
         ]
         assert all(row.notes == () for row in rows)
 
-    def test_the_one_wanted_is_taken_alone(self, tmp_path, layout):
+    def test_the_one_wanted_is_taken_alone(self, gather):
         files = {f'ann/{TALK}/talk.ipynb': GOOD, f'ann/{LISTEN}/listen.ipynb': OTHER}
-        source = laid(tmp_path / 'class', files)
-
-        rows = collect(source, layout, layout.submitted, assignment=LISTEN)
+        rows = gather(files, assignment=LISTEN)
 
         assert done(rows) == [('ann', LISTEN, TAKEN)]
 
-    def test_content_says_which_assignment_it_is(self, tmp_path, layout):
-        files = {f'ann/{TALK}/talk.ipynb': OTHER, f'ann/{LISTEN}/listen.ipynb': GOOD}
-
-        rows = collect(laid(tmp_path / 'class', files), layout, layout.submitted)
+    def test_content_says_which_assignment_it_is(self, gather, layout):
+        rows = gather({f'ann/{TALK}/talk.ipynb': OTHER, f'ann/{LISTEN}/listen.ipynb': GOOD})
 
         assert done(rows) == [('ann', TALK, TAKEN), ('ann', LISTEN, TAKEN)]
         assert taken(layout)[f'ann/{TALK}/talk.ipynb'] == GOOD
@@ -79,13 +71,13 @@ class TestOneAssignmentASource:
     )
 
     @pytest.mark.parametrize('places', [CANVAS, MOODLE], ids=['canvas', 'moodle'])
-    def test_a_notebook_of_another_lesson_replaces_nothing(self, places, tmp_path, layout):
+    def test_a_notebook_of_another_lesson_replaces_nothing(self, places, gather, layout):
         before = {f'{name}/{LISTEN}/listen.ipynb': b'right' for name in ('1003', 'cy')}
         laid(layout.submitted, before)
         names = 'talk.ipynb', 'listen.ipynb'
         files = {place.format(*names): OTHER if '{1}' in place else GOOD for place in places}
 
-        rows = collect(packed(tmp_path / 's.zip', files), layout, layout.submitted)
+        rows = gather(files, packed)
 
         assert taken(layout).items() >= before.items()
         assert [row.done for row in rows].count(TAKEN) == 3
@@ -112,11 +104,11 @@ class TestOneAssignmentASource:
         rows = collect(source, layout, layout.submitted, assignment=TALK)
         assert (rows[0].assignment, rows[0].done) == (TALK, TAKEN)
 
-    def test_a_student_counts_once(self, tmp_path, layout):
+    def test_a_student_counts_once(self, gather, layout):
         files = {f'eve_1_5{n}_listen-{n}.ipynb': OTHER for n in range(10, 30)}
         files |= {'ann_2_571_talk.ipynb': GOOD, 'bob_3_572_talk.ipynb': GOOD}
 
-        collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+        gather(files, packed)
 
         assert set(taken(layout)) == {f'{name}/{TALK}/talk.ipynb' for name in '23'}
 
@@ -136,7 +128,7 @@ class TestTheRightOne:
         ('right', 'own'), [('talk.ipynb', 'zz.ipynb'), ('My answers.ipynb', 'talk.ipynb')]
     )
     @pytest.mark.parametrize('how', ['moodle', 'canvas', 'repository'])
-    def test_own_notes_do_not_replace_the_answers(self, how, right, own, wanted, tmp_path, layout):
+    def test_own_notes_do_not_replace_the_answers(self, how, right, own, wanted, gather, layout):
         place = {
             'moodle': 'Ann_311_assignsubmission_file/{}',
             'canvas': 'ann_1001_{}',
@@ -147,25 +139,23 @@ class TestTheRightOne:
             place.format(f'{numbers[0]}{right}'): GOOD,
             place.format(f'{numbers[1]}{own}'): OWN,
         }
-        source = laid(tmp_path / 's', files)
-
-        rows = collect(source, layout, layout.submitted, assignment=wanted)
+        rows = gather(files, assignment=wanted)
 
         assert [data for data in taken(layout).values()] == [GOOD]
         assert [row.done for row in rows].count(TAKEN) == 1
         if how == 'canvas':
             assert len(rows) == 2
 
-    def test_most_cells_count_more_than_the_name(self, tmp_path, layout):
+    def test_most_cells_count_more_than_the_name(self, gather, layout):
         files = {'ann/talk.ipynb': notebook('talker'), f'ann/old/{TALK}/x.ipynb': GOOD}
 
-        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
+        (row,) = gather(files, assignment=TALK)
 
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
         assert f'old/{TALK}/x.ipynb, one of 2 notebooks for the assignment' in row.notes
 
     @pytest.mark.parametrize('wanted', ['', TALK])
-    def test_of_equal_ones_the_name_counts(self, wanted, tmp_path, layout):
+    def test_of_equal_ones_the_name_counts(self, wanted, gather, layout):
         """The plain name wins over names that browsers and Jupyter give to copies."""
         right = notebook('talker', text='right')
         copy = notebook('talker', text='copy')
@@ -176,15 +166,13 @@ class TestTheRightOne:
             'ann/a.ipynb': copy,
         }
 
-        collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=wanted)
+        gather(files, assignment=wanted)
 
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': right}
 
     @pytest.mark.parametrize('data', [OWN, DAMAGED, b''], ids=['own', 'damaged', 'empty'])
-    def test_the_only_notebook_is_taken_without_a_cell(self, data, tmp_path, layout):
-        files = {'ann/talk.ipynb': data, 'bob/work.ipynb': data}
-
-        rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
+    def test_the_only_notebook_is_taken_without_a_cell(self, data, gather):
+        rows = gather({'ann/talk.ipynb': data, 'bob/work.ipynb': data}, assignment=TALK)
 
         assert [(row.student, row.done) for row in rows] == [('ann', TAKEN), ('bob', TAKEN)]
         assert all(STRANGE in row.notes for row in rows)
@@ -196,32 +184,30 @@ class TestTheRightOne:
             ({f'{LISTEN}/listen.ipynb': OTHER}, f'listen.ipynb belongs to {LISTEN}'),
         ],
     )
-    def test_one_of_several_without_a_cell_is_not_guessed(self, others, why, tmp_path, layout):
+    def test_one_of_several_without_a_cell_is_not_guessed(self, others, why, gather, layout):
         """Without a cell or the name of the assignment, only a single notebook is taken."""
         files = {'ann/a.ipynb': OWN, **{f'ann/{name}': data for name, data in others.items()}}
 
-        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
+        (row,) = gather(files, assignment=TALK)
 
         assert (row.student, row.done) == ('ann', LEFT)
         assert why in row.notes[0]
         assert not layout.submitted.exists()
 
-    def test_a_damaged_notebook_with_the_name_is_not_left_for_own_notes(self, tmp_path, layout):
-        files = {f'ann/{TALK}/talk.ipynb': DAMAGED, 'ann/notes.ipynb': OWN}
-
-        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+    def test_a_damaged_notebook_with_the_name_is_not_left_for_own_notes(self, gather, layout):
+        (row,) = gather({f'ann/{TALK}/talk.ipynb': DAMAGED, 'ann/notes.ipynb': OWN})
 
         assert (row.done, row.notes) == (TAKEN, (STRANGE,))
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': DAMAGED}
 
-    def test_an_attempt_without_a_cell_does_not_replace_an_earlier_one(self, tmp_path, layout):
+    def test_an_attempt_without_a_cell_does_not_replace_an_earlier_one(self, gather, layout):
         at = '+2026-03-0{} 12:00:00.000000 UTC+x/talk.ipynb'
         files = {
             f'ann+{TALK}{at.format(day)}': data
             for day, data in ((1, notebook('talker')), (2, GOOD), (3, OWN))
         }
 
-        rows = collect(laid(tmp_path / 'inbound', files), layout, layout.submitted)
+        rows = gather(files)
 
         assert taken(layout)[f'ann/{TALK}/talk.ipynb'] == GOOD
         assert [row.done for row in rows] == [LEFT, TAKEN, LEFT]
@@ -234,12 +220,11 @@ class TestTheRightOne:
 
 class TestBounds:
     @pytest.mark.slow
-    def test_a_class_is_not_held_in_memory(self, tmp_path, layout):
+    def test_a_class_is_not_held_in_memory(self, gather):
         large = json.dumps({**json.loads(GOOD), 'metadata': {'x': '.' * (4 << 20)}}).encode()
-        source = packed(tmp_path / 's.zip', {f's{n}/talk.ipynb': large for n in range(16)})
         tracemalloc.start()
         try:
-            rows = collect(source, layout, layout.submitted)
+            rows = gather({f's{n}/talk.ipynb': large for n in range(16)}, packed)
             _, peak = tracemalloc.get_traced_memory()
         finally:
             tracemalloc.stop()
@@ -261,43 +246,36 @@ class TestBounds:
         limit(monkeypatch, whole_bytes=9 * len(GOOD))
         assert {row.done for row in collect(source, layout, layout.submitted)} == {TAKEN}
 
-    def test_what_is_too_large_when_unpacked_is_counted(self, tmp_path, layout, monkeypatch):
-        source = packed(tmp_path / 's.zip', {f's{n}/x.ipynb': b' ' * (5 << 20) for n in range(9)})
+    def test_what_is_too_large_when_unpacked_is_counted(self, gather, monkeypatch):
         limit(monkeypatch, file_bytes=1 << 20)
         limit(monkeypatch, whole_bytes=8 << 20)
 
         with pytest.raises(
             UnusableUploadError, match='submissions of a class, got more than 8 MiB'
         ):
-            collect(source, layout, layout.submitted)
+            gather({f's{n}/x.ipynb': b' ' * (5 << 20) for n in range(9)}, packed)
 
-    def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, tmp_path, layout):
+    def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, gather):
         files = {f'ann/{n:03}.ipynb': OWN for n in range(selection.MOST_NOTEBOOKS + 20)}
-        source = laid(tmp_path / 's', {**files, f'ann/z/{TALK}/talk.ipynb': GOOD})
-
-        rows = collect(source, layout, layout.submitted)
+        rows = gather({**files, f'ann/z/{TALK}/talk.ipynb': GOOD})
 
         assert sorted(row.done for row in rows) == [LEFT, TAKEN]
         (left,) = [row for row in rows if row.done == LEFT]
         assert f'not read: only the first {selection.MOST_NOTEBOOKS} notebooks' in left.notes[0]
         assert left.notes[0].endswith('18 more')
 
-    def test_one_student_has_not_the_share_of_a_class(self, tmp_path, layout, monkeypatch):
+    def test_one_student_has_not_the_share_of_a_class(self, gather, monkeypatch):
         monkeypatch.setattr(selection, 'MOST_BYTES_EACH', 3 * len(GOOD))
-        files = {f'ann/{n}/talk.ipynb': GOOD for n in range(9)} | {'bob/talk.ipynb': GOOD}
-
-        rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+        rows = gather({f'ann/{n}/talk.ipynb': GOOD for n in range(9)} | {'bob/talk.ipynb': GOOD})
 
         assert sorted(row.done for row in rows) == [LEFT, TAKEN, TAKEN]
         assert any('not read: only the first 3 notebooks' in '; '.join(row.notes) for row in rows)
 
-    def test_a_notebook_that_is_too_large_is_reported_beside_the_others(
-        self, tmp_path, layout, monkeypatch
-    ):
+    def test_a_notebook_that_is_too_large_is_reported_beside_the_others(self, gather, monkeypatch):
         limit(monkeypatch, file_bytes=2000)
         files = {f'ann/{TALK}/talk.ipynb': b' ' * 3000, f'ann/{LISTEN}/listen.ipynb': OTHER}
 
-        rows = collect(packed(tmp_path / 's.zip', files), layout, layout.submitted)
+        rows = gather(files, packed)
 
         assert sorted((row.student, row.done) for row in rows) == [('ann', LEFT), ('ann', TAKEN)]
         assert any(row.notes[0].startswith(f'{TALK}/talk.ipynb: more than') for row in rows)

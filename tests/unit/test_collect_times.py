@@ -1,5 +1,6 @@
 """The times of submissions and their lateness, in the table and for a late policy."""
 
+from contextlib import closing
 from datetime import datetime, timedelta, timezone
 import os
 from pathlib import Path
@@ -8,10 +9,10 @@ import sys
 
 from collect_sources import (
     collect,
+    configure,
     GOOD,
     GRADESCOPE,
     laid,
-    layout,  # noqa: F401 - a fixture
     notebook,
     packed,
     taken,
@@ -23,7 +24,6 @@ from autograder import __main__ as command
 from autograder.collect.source.times import due_dates, late_notes, read_time
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import OK
-from autograder.layout import Layout
 from autograder.submission import inbox
 
 NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
@@ -40,28 +40,21 @@ def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
 @pytest.fixture
 def gradebook(layout) -> Path:
     """Return a gradebook with columns as in nbgrader 0.9, in which all work is due at noon."""
-    return made_gradebook(layout)
-
-
-def made_gradebook(layout: Layout) -> Path:
-    """Write a gradebook, and the settings that name it."""
     layout.work.mkdir(parents=True)
     path = layout.work / 'gradebook.db'
-    settings = f"c = get_config()\nc.CourseDirectory.db_url = 'sqlite:///{path}'\n"
-    (layout.root / 'nbgrader_config.py').write_text(settings, encoding='utf-8')
-    book = sqlite3.connect(path)
-    book.executescript(f"""
-        create table assignment (id varchar(32), name varchar(128), duedate datetime);
-        create table submitted_assignment (
-            id varchar(32), assignment_id varchar(32), student_id varchar(128),
-            timestamp datetime, extension datetime);
-        insert into assignment values ('a1', '{TALK}', '2026-03-01 12:00:00.000000');
-        insert into assignment values ('a2', '04_listen', null);
-        insert into submitted_assignment values ('s1', 'a1', 'eve', null, null);
-        insert into submitted_assignment values
-            ('s2', 'a1', 'dan', null, '1970-01-02 00:00:00.000000');
-    """)
-    book.close()
+    configure(layout.root, f'sqlite:///{path}')
+    with closing(sqlite3.connect(path)) as book:
+        book.executescript(f"""
+            create table assignment (id varchar(32), name varchar(128), duedate datetime);
+            create table submitted_assignment (
+                id varchar(32), assignment_id varchar(32), student_id varchar(128),
+                timestamp datetime, extension datetime);
+            insert into assignment values ('a1', '{TALK}', '2026-03-01 12:00:00.000000');
+            insert into assignment values ('a2', '04_listen', null);
+            insert into submitted_assignment values ('s1', 'a1', 'eve', null, null);
+            insert into submitted_assignment values
+                ('s2', 'a1', 'dan', null, '1970-01-02 00:00:00.000000');
+        """)
     return path
 
 
@@ -121,10 +114,8 @@ class TestReading:
 
 
 class TestExchange:
-    def test_the_time_is_kept_and_shown(self, tmp_path, layout):
-        source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 +0100'))
-
-        (row,) = collect(source, layout, layout.submitted)
+    def test_the_time_is_kept_and_shown(self, gather, layout):
+        (row,) = gather(inbound('2026-03-01 12:34:56.789012 +0100'))
 
         assert (row.done, row.handed_in) == (TAKEN, '2026-03-01 11:34')
         assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 11:34:56 UTC\n'
@@ -134,7 +125,7 @@ class TestStampBesideANotebook:
     """The stamp ``STUDENT/ASSIGNMENT/timestamp.txt``, which nbgrader's collect writes."""
 
     @pytest.mark.parametrize('how', [packed, laid])
-    def test_it_is_kept(self, how, tmp_path, layout):
+    def test_it_is_kept(self, how, gather, layout):
         files = {
             f'ann/{TALK}/talk.ipynb': GOOD,
             f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:34:56.789012 UTC',
@@ -143,7 +134,7 @@ class TestStampBesideANotebook:
             f'bob/{TALK}/timestamp.txt': b'2026-03-01 12:34:56 MEZ',
         }
 
-        rows = collect(how(tmp_path / 's.zip', files), layout, layout.submitted)
+        rows = gather(files, how)
 
         assert [row.handed_in for row in rows] == ['2026-03-01 12:34', '', '']
         assert rows[0].notes == (f'time from {TALK}/timestamp.txt',)
@@ -154,38 +145,38 @@ class TestStampBesideANotebook:
             f'ann/{TALK}/timestamp.txt'
         ]
 
-    def test_one_of_a_student_counts_for_nothing_else(self, tmp_path, layout):
+    def test_one_of_a_student_counts_for_nothing_else(self, gather, layout):
         files = {
             **GRADESCOPE,
             'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00',
         }
 
-        collect(packed(tmp_path / 'g.zip', files), layout, layout.submitted)
+        gather(files, packed)
 
         assert b'2026-03-01' in taken(layout)[f'1001/{TALK}/timestamp.txt']
 
-    def test_in_a_repository_it_is_the_students_own(self, tmp_path, layout):
+    def test_in_a_repository_it_is_the_students_own(self, gather, layout):
         """In a repository the stamp does not count, because the student can write it."""
-        for n, git in enumerate(('.git/HEAD', '.gitignore')):
+        for git in ('.git/HEAD', '.gitignore'):
             files = {
                 f'ann/{git}': b'',
                 f'ann/{TALK}/talk.ipynb': GOOD,
                 f'ann/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
             }
 
-            (row,) = collect(laid(tmp_path / str(n), files), layout, layout.submitted)
+            (row,) = gather(files)
 
             assert row.handed_in == ''
             assert row.notes[0].startswith('timestamp.txt ignored: in a repository')
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
-    def test_elsewhere_it_is_some_file(self, tmp_path, layout):
+    def test_elsewhere_it_is_some_file(self, gather):
         files = {
             f'ann/notebooks/{TALK}/talk.ipynb': GOOD,
             f'ann/notebooks/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
         }
 
-        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+        (row,) = gather(files)
 
         assert (row.handed_in, row.notes) == ('', ())
 
@@ -207,10 +198,10 @@ class TestOlderWork:
             )
         assert taken(layout) == before
 
-    def test_newer_work_replaces_it(self, tmp_path, layout):
-        collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
+    def test_newer_work_replaces_it(self, gather, layout):
+        gather(inbound(self.MONDAY))
 
-        (row,) = collect(laid(tmp_path / 't', inbound(self.TUESDAY)), layout, layout.submitted)
+        (row,) = gather(inbound(self.TUESDAY))
 
         assert (row.done, row.notes) == (REPLACED, ())
         assert b'2026-03-03' in taken(layout)[f'ann/{TALK}/timestamp.txt']
@@ -228,12 +219,12 @@ class TestOlderWork:
         assert taken(layout) == before
 
     @pytest.mark.parametrize('there', [None, b'soon', b'\xff'])
-    def test_without_a_time_nobody_knows(self, there, tmp_path, layout):
+    def test_without_a_time_nobody_knows(self, there, gather, layout):
         laid(layout.submitted, {f'ann/{TALK}/talk.ipynb': notebook('talker', text='there')})
         if there is not None:
             laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': there})
 
-        (row,) = collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
+        (row,) = gather(inbound(self.MONDAY))
 
         assert (row.done, row.notes) == (REPLACED, ('it is unknown which notebook is newer',))
         assert b'2026-03-02' in taken(layout)[f'ann/{TALK}/timestamp.txt']
@@ -275,7 +266,7 @@ class TestStaleTime:
 class TestDueDates:
     """The due dates are those of the gradebook."""
 
-    def test_late_work_is_reported(self, tmp_path, layout, gradebook):
+    def test_late_work_is_reported(self, gather, gradebook):
         late = '2026-03-01 14:05:30.000000 UTC'
         files = {
             **inbound('2026-03-01 11:59:59.999999 UTC', student='bob'),
@@ -284,7 +275,7 @@ class TestDueDates:
             **inbound(late, student='eve'),
         }
 
-        rows = collect(laid(tmp_path / 'inbound', files), layout, layout.submitted)
+        rows = gather(files)
 
         assert {row.student: row.notes for row in rows} == {
             'ann': ('late by 2 h 5 min',),
@@ -305,11 +296,9 @@ class TestDueDates:
         assert row.notes == ()
         assert not gradebook.exists()
 
-    def test_a_damaged_gradebook_is_one_line(self, tmp_path, layout, gradebook):
+    def test_a_damaged_gradebook_is_one_line(self, gather, gradebook):
         gradebook.write_bytes(b'SQLite format 3\x00' + b'\xff' * 4096)
-        source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
-
-        rows = collect(source, layout, layout.submitted)
+        rows = gather(inbound('2026-03-01 14:00:00 UTC'))
 
         assert [row.done for row in rows] == ['not taken', TAKEN]
         assert (
@@ -343,8 +332,7 @@ class TestDueDates:
         assert found.of('ann', '04_listen') is None
 
 
-def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys):
-    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+def test_the_table_has_the_time(tmp_path, here, gradebook, capsys):
     source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:05:30.000000 UTC'))
 
     assert command.main(['collect', str(source), '--trust-names']) == OK

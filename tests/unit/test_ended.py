@@ -283,9 +283,7 @@ def test_node_that_is_not_spun_beside_one_that_is_explains_silence():
         {'event': 'asked', 'node': '/n', 'answered': False},
         {'event': 'asked', 'node': '/helper', 'answered': True},
     ]
-    seen = run(*asked, nodes=('/helper', '/n'), endpoints=[end()])
-
-    found = causes.why_silent(seen)
+    found = causes.why_silent(run(*asked, nodes=('/helper', '/n'), endpoints=[end()]))
 
     assert found.cause_id == 'other_node_spun'
     assert 'spins the node helper but not n' in found.text

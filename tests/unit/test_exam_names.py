@@ -80,8 +80,7 @@ def recording(error: str = '', *endpoints: tuple[str, str]) -> Recording:
 def feedback(line: str, error: str) -> str:
     """Return the feedback on a program that ended with an exception in a line."""
     exam = rover()
-    run = Run({'rover.py': CODE.format(line)}, recording(error), exam.facts)
-    (check,) = judge(exam, run)
+    (check,) = judge(exam, Run({'rover.py': CODE.format(line)}, recording(error), exam.facts))
     return f'{check.cause} {check.try_this}'
 
 

@@ -70,8 +70,7 @@ def test_a_check_that_waits_names_the_sentence_it_waits_for():
 @pytest.mark.parametrize('name', ['expected', 'observed', 'cause', 'try_this'])
 @pytest.mark.parametrize('text', [LONG, 'x' * 3000, 'word\n' * 300])
 def test_twelve_lines_are_enough_for_any_text(name, text):
-    check = failing(**{name: text})
-    lines = check_lines(check)
+    lines = check_lines(failing(**{name: text}))
 
     assert len(lines) <= MOST_LINES
     assert max(map(len, lines)) <= WIDTH
@@ -111,8 +110,7 @@ def test_points_stay_together():
 @pytest.mark.parametrize('text', ['short', LONG, EVIL])
 def test_html_says_the_same_words(text):
     check = failing(observed=text)
-    page = exam_html(ExamResult('talker', (check,)))
-    soup = BeautifulSoup(page, 'html.parser')
+    soup = BeautifulSoup(exam_html(ExamResult('talker', (check,))), 'html.parser')
     facts = [(name.text, text.text) for name, text in zip(soup('dt'), soup('dd'))]
 
     assert facts == feedback_items(check)

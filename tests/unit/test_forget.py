@@ -5,9 +5,9 @@ from unittest.mock import Mock
 
 from collect_sources import (
     CANVAS,
+    configure,
     GOOD,
     laid,
-    layout,  # noqa: F401 - a fixture
     packed,
     TALK,
 )
@@ -20,17 +20,13 @@ from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import last_results
 from autograder.collect.copy_notebooks import collect
 from autograder.commands import forget, OK
-from autograder.layout import Layout
 
 
 @pytest.fixture
-def course(layout, tmp_path, monkeypatch):
+def course(gather, here, tmp_path):
     """Return a course with a class from Canvas, without a gradebook."""
-    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
-    settings = f"c.CourseDirectory.db_url = 'sqlite:///{tmp_path}/none.db'\n"
-    (layout.root / 'nbgrader_config.py').write_text(f'c = get_config()\n{settings}', 'utf-8')
-    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
-    return layout
+    gather(CANVAS, packed)
+    return configure(here.root, f'sqlite:///{tmp_path}/none.db')
 
 
 def students(course):
