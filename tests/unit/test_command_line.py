@@ -11,6 +11,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
+from rich.console import Console
 
 from autograder import __main__ as command
 from autograder.commands import grade as grading
@@ -18,7 +19,7 @@ from autograder.commands import OK
 from autograder.commands.grade import submitted_folder
 from autograder.commands.run import exams_named
 from autograder.errors import SandboxUnavailable
-from autograder.exam import catalog
+from autograder.exam import catalog, inputs
 from autograder.layout import Layout
 from autograder.sandboxes import choose
 from autograder.sandboxes.sandbox import Sandbox
@@ -30,18 +31,19 @@ def undisturbed(monkeypatch):
     monkeypatch.setattr(grading, 'lock_course', lambda *_: nullcontext())
 
 
-def test_a_missing_folder_is_named(tmp_path, capsys):
-    code = command.main(['grade', '--submitted', str(tmp_path / 'nowhere')])
-
-    assert code == command.USAGE
-    assert 'nowhere: there is no such folder.' in capsys.readouterr().err
-
-
-def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
-    arguments = ['grade', '--submitted', str(tmp_path), '--assignment', '07_temprature_monitor']
-
-    assert command.main(arguments) == command.USAGE
-    assert 'Did you mean 07_temperature_monitor?' in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ('options', 'said'),
+    [
+        (['--submitted', 'nowhere'], 'nowhere: there is no such folder.'),
+        (['--assignment', '07_temprature_monitor'], 'Did you mean 07_temperature_monitor?'),
+        # A cluster would ignore the options of one machine.
+        (['--cluster', 'tcp://127.0.0.1:1', '--jobs', '3'], '--jobs 3'),
+        (['--cluster', 'tcp://127.0.0.1:1', '--allow-weak', 'none'], '--allow-weak'),
+    ],
+)
+def test_options_of_grade_that_cannot_be_used_are_named(options, said, tmp_path, capsys):
+    assert command.main(['grade', '--submitted', str(tmp_path), *options]) == command.USAGE
+    assert said in capsys.readouterr().err
 
 
 def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch):
@@ -73,8 +75,6 @@ def one_line(captured):
 @pytest.fixture
 def no_place_to_write(tmp_path, monkeypatch):
     """Put the secret where even root cannot create a folder."""
-    from autograder.exam import inputs
-
     (tmp_path / 'file').write_text('x')
     monkeypatch.delenv('COURSE_SECRET', raising=False)
     monkeypatch.setattr(Layout, 'secret', tmp_path / 'file' / 'course_secret')
@@ -87,8 +87,6 @@ def no_place_to_write(tmp_path, monkeypatch):
 def test_a_folder_that_cannot_be_written_is_one_line(
     how, no_place_to_write, tmp_path, capsys, monkeypatch
 ):
-    from autograder.exam import inputs
-
     monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
     monkeypatch.setattr(catalog, 'for_assignment', lambda *_, **__: inputs.course_secret())
     monkeypatch.setattr(catalog, 'load', lambda *_, **__: inputs.course_secret())
@@ -191,19 +189,16 @@ class TestCheckWithoutTheFile:
         assert one_line(captured) == line
         assert captured.out == ''
 
-    def test_an_empty_folder_has_nothing(self, tmp_path, capsys):
-        assert self.check(tmp_path) == command.USAGE
-
-        line = one_line(capsys.readouterr())
-        assert line.endswith('expected temp_publisher.py, got no package files.')
-
-    def test_of_a_large_folder_only_the_first_files_are_named(self, tmp_path, capsys):
-        for number in range(20):
+    @pytest.mark.parametrize(
+        ('files', 'said'),
+        [(0, 'expected temp_publisher.py, got no package files.'), (20, 'a07.py and 12 more.')],
+    )
+    def test_the_line_names_at_most_a_few_files(self, files, said, tmp_path, capsys):
+        for number in range(files):
             (tmp_path / f'a{number:02}.py').write_text('x')
 
-        self.check(tmp_path)
-
-        assert 'a07.py and 12 more.' in one_line(capsys.readouterr())
+        assert self.check(tmp_path) == command.USAGE
+        assert one_line(capsys.readouterr()).endswith(said)
 
     def test_as_data_it_is_a_failed_check_about_a_file(self, tmp_path, capsys, monkeypatch):
         monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
@@ -260,48 +255,28 @@ def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, 
     assert [path.name for path in tmp_path.iterdir()] == ['ann']
 
 
-def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):
-    from rich.console import Console
+@pytest.fixture
+def elsewhere(tmp_path, monkeypatch):
+    """Return this course, with empty folders for submissions and reports."""
+    monkeypatch.setattr(Layout, 'submitted', tmp_path / 'submitted')
+    monkeypatch.setattr(Layout, 'reports', tmp_path / 'reports')
+    return Layout.here()
 
-    layout = Layout.here()
 
-    class Elsewhere(Layout):
-        submitted = tmp_path / 'submitted'
-        reports = tmp_path / 'reports'
-
-    console = Console()
-    elsewhere = Elsewhere(layout.root)
-    submitted_folder(elsewhere, None, console)
+def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(elsewhere, capsys):
+    submitted_folder(elsewhere, None, Console())
     assert 'example submissions' in capsys.readouterr().out
 
-    submitted_folder(elsewhere, None, console)
+    submitted_folder(elsewhere, None, Console())
     assert capsys.readouterr().out == ''
 
 
-def test_sample_students_never_follow_a_class(tmp_path):
-    from rich.console import Console
-
-    class Elsewhere(Layout):
-        submitted = tmp_path / 'submitted'
-        reports = tmp_path / 'reports'
-
-    Elsewhere.reports.mkdir()
+def test_sample_students_never_follow_a_class(elsewhere):
+    elsewhere.reports.mkdir()
     with pytest.raises(grading.UsageError, match=r'nothing to grade\. Try: .* collect SOURCE'):
-        submitted_folder(Elsewhere(Layout.here().root), None, Console())
+        submitted_folder(elsewhere, None, Console())
 
-    assert not Elsewhere.submitted.exists()
-
-
-@pytest.mark.parametrize(
-    ('options', 'named'),
-    [(['--jobs', '3'], '--jobs 3'), (['--allow-weak', 'none'], '--allow-weak')],
-)
-def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, capsys):
-    """Options of one machine are refused with ``--cluster``, which would ignore them."""
-    argv = ['grade', '--submitted', str(tmp_path), '--cluster', 'tcp://127.0.0.1:1', *options]
-
-    assert command.main(argv) == command.USAGE
-    assert named in capsys.readouterr().err
+    assert not elsewhere.submitted.exists()
 
 
 @pytest.mark.parametrize(

@@ -81,38 +81,34 @@ def test_nobody_is_guessed(student):
     assert done.left_out == [(student, 'Canvas has no such SIS Login ID, SIS User ID, ID')]
 
 
-def test_an_id_of_two_lines_is_nobodys():
-    other = '"Else, Some",99,,s11,Sec 2,,,,'
-    done = fill([Mark('s11', 1.0, 6.5)], book(ADA, other))
-
-    assert cells(done.data) == cells(book(ADA, other))
-    assert done.left_out == [('s11', 'lines 4, 5 have this id')]
+TWICE = book(ADA, '"Else, Some",99,,s11,Sec 2,,,,')
 
 
-def test_two_students_of_one_line_get_nothing():
-    """If two ids match the same line, a person has to choose."""
-    done = fill(marks(ada=1.0, s11=2.0))
+@pytest.mark.parametrize(
+    ('given', 'data', 'why'),
+    [
+        (marks(s11=1.0), TWICE, ['lines 4, 5 have this id']),
+        # If two ids match the same line, a person has to choose.
+        (
+            marks(ada=1.0, s11=2.0),
+            book(),
+            ['ada and s11 match the same row of Canvas, line 4'] * 2,
+        ),
+        ([Mark('ada', None, 6.5, REVIEW)], book(), ['for review']),
+        (
+            [Mark('bob@uni.example', None, 6.5, BY_HAND)],
+            book(),
+            ['to be graded by hand; Canvas keeps 3.00'],
+        ),
+        (marks(eve=6.5), book(), ['is excused in Canvas']),
+    ],
+    ids=['id of two lines', 'two ids of a line', 'for review', 'by hand', 'excused'],
+)
+def test_mark_that_cannot_be_entered_leaves_the_cell_as_it_is(given, data, why):
+    done = fill(given, data)
 
-    assert cells(done.data) == cells(book())
-    assert [student for student, _ in done.left_out] == ['ada', 's11']
-
-
-def test_no_mark_leaves_the_cell_as_it_is():
-    given = [Mark('ada', None, 6.5, REVIEW), Mark('bob@uni.example', None, 6.5, BY_HAND)]
-    done = fill(given)
-
-    assert cells(done.data) == cells(book())
-    assert done.left_out == [
-        ('ada', 'for review'),
-        ('bob@uni.example', 'to be graded by hand; Canvas keeps 3.00'),
-    ]
-
-
-def test_excused_stays_excused():
-    done = fill(marks(eve=6.5))
-
-    assert cells(done.data)[5][7] == 'EX'
-    assert done.left_out == [('eve', 'is excused in Canvas')]
+    assert cells(done.data) == cells(data)
+    assert done.left_out == [(one.student, said) for one, said in zip(given, why)]
 
 
 def test_what_is_replaced_is_reported():
