@@ -116,16 +116,13 @@ class TestNumbers:
 
     def test_digests_come_from_the_recordings_that_are_there(self, tmp_path):
         """A missing or damaged recording has no digest and is not an error."""
-        place = tmp_path / 'autograder' / '_work' / 'recordings' / 'talker'
-        place.mkdir(parents=True)
-        header = {'scenario': 'a' * 32, 'environment': 'b' * 32}
-        (place / 'abc.jsonl').write_text(json.dumps(header) + '\nnonsense', encoding='utf-8')
+        (made,) = with_headers(tmp_path, {'scenario': 'a' * 32, 'environment': 'b' * 32})
 
-        assert numbers_of(FULL, root=tmp_path).exams == {
+        assert numbers_of(made, root=tmp_path).exams == {
             'talker': {'scenario': ('a' * 12,), 'environment': ('b' * 12,)}
         }
-        (place / 'abc.jsonl').write_text('{', encoding='utf-8')
-        assert numbers_of(FULL, root=tmp_path).exams['talker'] == {
+        (Layout(tmp_path).recordings / 'talker' / '0.jsonl').write_text('{', encoding='utf-8')
+        assert numbers_of(made, root=tmp_path).exams['talker'] == {
             'scenario': (),
             'environment': (),
         }
@@ -253,8 +250,8 @@ class TestPage:
         assert all(two <= one + 1 for one, two in pairwise(levels))
 
     def test_it_is_written_again_in_place(self, layout):
-        path = write_class_report(layout, graded(layout, ASSIGNMENT)[0], 'first')
-        write_class_report(layout, graded(layout, ASSIGNMENT)[0], 'second')
+        for summary in ('first', 'second'):
+            path = write_class_report(layout, graded(layout, ASSIGNMENT)[0], summary)
 
         assert 'second' in path.read_text('utf-8')
         assert [one.name for one in path.parent.glob('.class*')] == []
@@ -294,19 +291,14 @@ class TestWhatWasGraded:
             graded(Layout(tmp_path))
 
 
-class TestVisibleChecksAlone:
+def test_visible_checks_alone_make_no_marks(tmp_path):
     """Isolation that cannot hide the hidden exams leaves only the visible checks."""
+    numbers = numbers_of(VISIBLE)
 
-    def test_they_make_no_marks(self):
-        numbers = numbers_of(VISIBLE)
-
-        assert numbers.marks is None
-        assert [check.passed for check in numbers.checks] == [1, 1]
-
-    def test_the_page_says_so(self, tmp_path):
-        page = page_of(tmp_path, VISIBLE)
-
-        assert '>5 of 5<br><span class="review">only visible checks</span>' in page
+    assert numbers.marks is None
+    assert [check.passed for check in numbers.checks] == [1, 1]
+    page = page_of(tmp_path, VISIBLE)
+    assert '>5 of 5<br><span class="review">only visible checks</span>' in page
 
 
 def test_names_are_with_their_ids(tmp_path):

@@ -45,14 +45,18 @@ def test_a_class_follows_the_schema(document):
     ]
 
 
-def test_for_review_has_no_points_anywhere():
-    review = ClassResults(REVIEW.assignment, (REVIEW,))
-    (one,) = json.loads(results_json(marked(review)))['submissions']
+@pytest.mark.parametrize(
+    ('result', 'status'),
+    [(REVIEW, 'for review'), (VISIBLE, 'only visible checks were run')],
+)
+def test_submission_without_a_mark_has_no_points_anywhere(result, status):
+    data = json.loads(results_json(marked(ClassResults(result.assignment, (result,)))))
+    VALID.validate(data)
+    (one,) = data['submissions']
 
-    assert one['points'] is None
-    for exam in one['exams']:
-        assert exam['points'] is None
-        assert {check['points'] for check in exam['checks']} == {None}
+    assert (one['status'], one['points']) == (status, None)
+    assert {check['points'] for exam in one['exams'] for check in exam['checks']} == {None}
+    assert status != 'for review' or {exam['points'] for exam in one['exams']} == {None}
 
 
 @pytest.mark.parametrize(
@@ -89,12 +93,3 @@ def test_every_field_is_required(document):
             assert not VALID.is_valid(document), f'{kind} without {name}'
             part[name] = value
     assert VALID.is_valid(document)
-
-
-def test_visible_checks_alone_have_no_points_anywhere():
-    data = json.loads(results_json(marked(ClassResults(VISIBLE.assignment, (VISIBLE,)))))
-    VALID.validate(data)
-    (one,) = data['submissions']
-
-    assert (one['status'], one['points']) == ('only visible checks were run', None)
-    assert {check['points'] for exam in one['exams'] for check in exam['checks']} == {None}
