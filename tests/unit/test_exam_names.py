@@ -193,10 +193,15 @@ def test_shared_advice_names_no_exercise(name):
 # -- messages on a topic ---------------------------------------------------------------------
 
 
-def test_bare_require_messages_asks_did_you_mean():
+def twist(topic, kind='geometry_msgs/msg/Twist'):
+    """Return the result of the check on a program that publishes on this topic."""
     exam = rover()
-    near = recording('', ('/qqqqqq/cmd_val', 'geometry_msgs/msg/Twist'))
-    (check,) = judge(exam, Run({'rover.py': CODE}, near, exam.facts))
+    (check,) = judge(exam, Run({'rover.py': CODE}, recording('', (topic, kind)), exam.facts))
+    return check
+
+
+def test_bare_require_messages_asks_did_you_mean():
+    check = twist('/qqqqqq/cmd_val')
 
     assert check.cause_id == 'topic_name'
     assert 'did you mean' in check.cause
@@ -204,25 +209,19 @@ def test_bare_require_messages_asks_did_you_mean():
 
 
 def test_bare_require_messages_names_another_type():
-    exam = rover()
-    other = recording('', ('/qqqqqq/cmd_vel', 'std_msgs/msg/String'))
-    (check,) = judge(exam, Run({'rover.py': CODE}, other, exam.facts))
+    check = twist('/qqqqqq/cmd_vel', 'std_msgs/msg/String')
 
     assert check.cause_id == 'wrong_type'
     assert 'Pass the class Twist' in check.try_this
 
 
+MESSAGE = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
+
+
 def test_bare_require_messages_takes_what_came_on_the_topic():
     exam = rover()
-    event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
-    end = {
-        'topic': '/qqqqqq/cmd_vel',
-        'kind': 'publisher',
-        'node': '/qqqqqq/rover',
-        'type': 'geometry_msgs/msg/Twist',
-    }
-    seen = {'event': 'graph', 'nodes': ['/qqqqqq/rover'], 'endpoints': [end]}
-    run = Run({}, Recording({}, (seen, event, event)), exam.facts)
+    seen, *_ = recording('', ('/qqqqqq/cmd_vel', 'geometry_msgs/msg/Twist')).events
+    run = Run({}, Recording({}, (seen, MESSAGE, MESSAGE)), exam.facts)
 
     assert len(require_messages(run, topic='/qqqqqq/cmd_vel', least=2)) == 2
     (check,) = judge(exam, run)
@@ -231,8 +230,7 @@ def test_bare_require_messages_takes_what_came_on_the_topic():
 
 def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
     """If a program ends at once, chance decides whether the probe receives its messages."""
-    event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
-    run = Run({}, Recording({}, (event, event)), rover().facts)
+    run = Run({}, Recording({}, (MESSAGE, MESSAGE)), rover().facts)
 
     with pytest.raises(Failed):
         require_messages(run, topic='/qqqqqq/cmd_vel')
