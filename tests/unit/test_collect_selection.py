@@ -26,7 +26,18 @@ from autograder.collect import selection
 from autograder.collect.table import LEFT, TAKEN
 from autograder.submission.tree import UnusableUploadError
 
+RIGHT, COPY = notebook('talker', text='right'), notebook('talker', text='copy')
+MANY = 'notebooks for the assignment'
 STRANGE = 'it contains no cell of the assignment'
+
+
+COPIES = {
+    'talk-Copy1.ipynb': COPY,
+    'talk.ipynb': RIGHT,
+    'talk (1).ipynb': COPY,
+    'a.ipynb': COPY,
+}
+"""Browsers and Jupyter give such names to copies."""
 
 
 class TestSeveralAssignments:
@@ -50,9 +61,8 @@ class TestSeveralAssignments:
 
     def test_the_one_wanted_is_taken_alone(self, gather):
         files = {f'ann/{TALK}/talk.ipynb': GOOD, f'ann/{LISTEN}/listen.ipynb': OTHER}
-        rows = gather(files, assignment=LISTEN)
 
-        assert done(rows) == [('ann', LISTEN, TAKEN)]
+        assert done(gather(files, assignment=LISTEN)) == [('ann', LISTEN, TAKEN)]
 
     def test_content_says_which_assignment_it_is(self, gather, layout):
         rows = gather({f'ann/{TALK}/talk.ipynb': OTHER, f'ann/{LISTEN}/listen.ipynb': GOOD})
@@ -92,16 +102,15 @@ class TestOneAssignmentASource:
             (OWN, OWN, 'none is from this course'),
         ],
     )
-    def test_what_is_not_sure_is_refused(self, one, two, said, tmp_path, layout):
+    def test_what_is_not_sure_is_refused(self, one, two, said, gather, layout):
         files = {'ann_1001_561_a.ipynb': one, 'bob_1002_562_b.ipynb': two}
-        source = packed(tmp_path / 'c.zip', files)
 
         with pytest.raises(UnusableUploadError, match=said) as caught:
-            collect(source, layout, layout.submitted)
+            gather(files, packed)
         assert TALK in caught.value.fix
         assert not layout.submitted.exists()
 
-        rows = collect(source, layout, layout.submitted, assignment=TALK)
+        rows = gather(files, packed, assignment=TALK)
         assert (rows[0].assignment, rows[0].done) == (TALK, TAKEN)
 
     def test_a_student_counts_once(self, gather, layout):
@@ -112,10 +121,8 @@ class TestOneAssignmentASource:
 
         assert set(taken(layout)) == {f'{name}/{TALK}/talk.ipynb' for name in '23'}
 
-    def test_without_a_notebook_the_table_says_what_there_is(self, tmp_path, layout):
-        (row,) = collect(
-            packed(tmp_path / 'c.zip', {'a_1_2_x.pdf': b''}), layout, layout.submitted
-        )
+    def test_without_a_notebook_the_table_says_what_there_is(self, gather):
+        (row,) = gather({'a_1_2_x.pdf': b''}, packed)
 
         assert (row.done, row.notes) == (LEFT, ('no notebook, only x.pdf',))
 
@@ -127,48 +134,41 @@ class TestTheRightOne:
     @pytest.mark.parametrize(
         ('right', 'own'), [('talk.ipynb', 'zz.ipynb'), ('My answers.ipynb', 'talk.ipynb')]
     )
-    @pytest.mark.parametrize('how', ['moodle', 'canvas', 'repository'])
-    def test_own_notes_do_not_replace_the_answers(self, how, right, own, wanted, gather, layout):
-        place = {
-            'moodle': 'Ann_311_assignsubmission_file/{}',
-            'canvas': 'ann_1001_{}',
-            'repository': 'ann/{}',
-        }[how]
-        numbers = ('56001_', '56002_') if how == 'canvas' else ('', '')
-        files = {
-            place.format(f'{numbers[0]}{right}'): GOOD,
-            place.format(f'{numbers[1]}{own}'): OWN,
-        }
+    @pytest.mark.parametrize(
+        ('place', 'count'),
+        [('Ann_311_assignsubmission_file/{1}', 1), ('ann_1001_5600{0}_{1}', 2), ('ann/{1}', 1)],
+        ids=['moodle', 'canvas', 'repository'],
+    )
+    def test_own_notes_do_not_replace_the_answers(
+        self, place, count, right, own, wanted, gather, layout
+    ):
+        files = {place.format(1, right): GOOD, place.format(2, own): OWN}
         rows = gather(files, assignment=wanted)
 
         assert [data for data in taken(layout).values()] == [GOOD]
         assert [row.done for row in rows].count(TAKEN) == 1
-        if how == 'canvas':
-            assert len(rows) == 2
+        assert len(rows) == count
 
-    def test_most_cells_count_more_than_the_name(self, gather, layout):
-        files = {'ann/talk.ipynb': notebook('talker'), f'ann/old/{TALK}/x.ipynb': GOOD}
+    @pytest.mark.parametrize(
+        ('files', 'wanted', 'data', 'said'),
+        [
+            (
+                {'talk.ipynb': notebook('talker'), f'old/{TALK}/x.ipynb': GOOD},
+                TALK,
+                GOOD,
+                (f'old/{TALK}/x.ipynb, one of 2 {MANY}', "the file was called 'x.ipynb'"),
+            ),
+            (COPIES, '', RIGHT, (f'talk.ipynb, one of 4 {MANY}',)),
+            (COPIES, TALK, RIGHT, (f'talk.ipynb, one of 4 {MANY}',)),
+            ({f'{TALK}/talk.ipynb': DAMAGED, 'notes.ipynb': OWN}, '', DAMAGED, (STRANGE,)),
+        ],
+        ids=['most cells', 'name', 'name of the wanted one', 'damaged notebook with the name'],
+    )
+    def test_one_of_several_is_chosen(self, files, wanted, data, said, gather, layout):
+        rows = gather({f'ann/{name}': one for name, one in files.items()}, assignment=wanted)
 
-        (row,) = gather(files, assignment=TALK)
-
-        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
-        assert f'old/{TALK}/x.ipynb, one of 2 notebooks for the assignment' in row.notes
-
-    @pytest.mark.parametrize('wanted', ['', TALK])
-    def test_of_equal_ones_the_name_counts(self, wanted, gather, layout):
-        """The plain name wins over names that browsers and Jupyter give to copies."""
-        right = notebook('talker', text='right')
-        copy = notebook('talker', text='copy')
-        files = {
-            'ann/talk-Copy1.ipynb': copy,
-            'ann/talk.ipynb': right,
-            'ann/talk (1).ipynb': copy,
-            'ann/a.ipynb': copy,
-        }
-
-        gather(files, assignment=wanted)
-
-        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': right}
+        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': data}
+        assert [(row.done, row.notes) for row in rows] == [(TAKEN, said)]
 
     @pytest.mark.parametrize('data', [OWN, DAMAGED, b''], ids=['own', 'damaged', 'empty'])
     def test_the_only_notebook_is_taken_without_a_cell(self, data, gather):
@@ -193,12 +193,6 @@ class TestTheRightOne:
         assert (row.student, row.done) == ('ann', LEFT)
         assert why in row.notes[0]
         assert not layout.submitted.exists()
-
-    def test_a_damaged_notebook_with_the_name_is_not_left_for_own_notes(self, gather, layout):
-        (row,) = gather({f'ann/{TALK}/talk.ipynb': DAMAGED, 'ann/notes.ipynb': OWN})
-
-        assert (row.done, row.notes) == (TAKEN, (STRANGE,))
-        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': DAMAGED}
 
     def test_an_attempt_without_a_cell_does_not_replace_an_earlier_one(self, gather, layout):
         at = '+2026-03-0{} 12:00:00.000000 UTC+x/talk.ipynb'
@@ -233,26 +227,21 @@ class TestBounds:
         assert peak < 8 * len(large)
 
     @pytest.mark.parametrize('how', [packed, laid])
-    def test_too_much_of_everything_is_one_sentence(self, how, tmp_path, layout, monkeypatch):
-        source = how(tmp_path / 's.zip', {f's{n}/talk.ipynb': GOOD for n in range(9)})
+    def test_too_much_of_everything_is_one_sentence(self, how, gather, layout, monkeypatch):
+        files = {f's{n}/talk.ipynb': GOOD for n in range(9)}
         limit(monkeypatch, whole_bytes=8 * len(GOOD))
 
-        with pytest.raises(
-            UnusableUploadError, match='submissions of a class, got more than 0 MiB'
-        ):
-            collect(source, layout, layout.submitted)
+        with pytest.raises(UnusableUploadError, match='of a class, got more than 0 MiB'):
+            gather(files, how)
         assert not layout.submitted.exists()
 
         limit(monkeypatch, whole_bytes=9 * len(GOOD))
-        assert {row.done for row in collect(source, layout, layout.submitted)} == {TAKEN}
+        assert {row.done for row in gather(files, how)} == {TAKEN}
 
     def test_what_is_too_large_when_unpacked_is_counted(self, gather, monkeypatch):
-        limit(monkeypatch, file_bytes=1 << 20)
-        limit(monkeypatch, whole_bytes=8 << 20)
+        limit(monkeypatch, file_bytes=1 << 20, whole_bytes=8 << 20)
 
-        with pytest.raises(
-            UnusableUploadError, match='submissions of a class, got more than 8 MiB'
-        ):
+        with pytest.raises(UnusableUploadError, match='of a class, got more than 8 MiB'):
             gather({f's{n}/x.ipynb': b' ' * (5 << 20) for n in range(9)}, packed)
 
     def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, gather):

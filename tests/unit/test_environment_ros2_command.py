@@ -10,7 +10,6 @@ import pytest
 
 from environment import describe, doctor, install_files, ros2_command
 from environment.places import Places
-from environment.ros import RosEnvironment
 
 
 @pytest.fixture
@@ -96,11 +95,10 @@ def test_missing_script_is_found_by_the_doctor(places, wheels):
     assert (found.state, found.fix) == (doctor.MISSING, doctor.PREPARE)
 
 
-def run_main(places, ros: RosEnvironment, *arguments):
-    """Run the file with this description, as the script does."""
-    install_files.write_description(places, ros)
+def run_main(places):
+    """Run the file as the script does."""
     return subprocess.run(
-        [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), *arguments],
+        [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), 'topic', 'list'],
         env={'PATH': '/usr/bin:/bin'},
         capture_output=True,
         text=True,
@@ -108,18 +106,16 @@ def run_main(places, ros: RosEnvironment, *arguments):
 
 
 def test_command_called_beside_a_real_one_starts_that(places, sourced):
-    done = run_main(places, sourced, 'topic', 'list')
+    install_files.write_description(places, sourced)
+
+    done = run_main(places)
 
     assert done.stdout == 'the real one: topic list\n'
     assert 'belongs to the ROS 2 installation' in done.stderr
 
 
 def test_command_without_description_says_what_to_do(places):
-    done = subprocess.run(
-        [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), 'topic', 'list'],
-        capture_output=True,
-        text=True,
-    )
+    done = run_main(places)
 
     assert done.returncode == 1
     assert 'Try: make doctor' in done.stderr
