@@ -352,9 +352,7 @@ class TestTable:
         """A second row would be ignored."""
         text = (FOLDER / 'places.txt').read_text(encoding='utf-8')
         rows = re.findall(r'^([a-z]\w[\w ]*):', text, re.MULTILINE)
-        causes = ' '.join(rows).split()
-
-        assert sorted(causes) == sorted(acts_by_cause())
+        assert sorted(' '.join(rows).split()) == sorted(acts_by_cause())
 
     def test_cause_of_the_table_exists(self):
         """The cause of each row exists; a misspelt one would never be looked up."""

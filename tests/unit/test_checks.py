@@ -168,9 +168,7 @@ class TestMessages:
         heard = [{**message(1), 'number': 1}, *later]
         run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 1_500_000_000}, *heard)
 
-        found = rhythm.with_unheard(run, heard)
-
-        assert [one['clock_ns'] / 1e9 for one in found] == seconds
+        assert [one['clock_ns'] / 1e9 for one in rhythm.with_unheard(run, heard)] == seconds
 
     def test_greetings_before_the_first_subscription_are_as_far_apart_as_the_next_ones(self):
         """A later change of the rhythm does not move what the probe has not heard."""

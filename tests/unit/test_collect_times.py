@@ -137,8 +137,7 @@ class TestStampBesideANotebook:
         assert [row.handed_in for row in rows] == ['2026-03-01 12:34', '', '']
         assert rows[0].notes == (f'time from {TALK}/timestamp.txt',)
         assert rows[2].notes == ('time zone MEZ not understood, ignored',)
-        stamp = taken(layout)[f'ann/{TALK}/timestamp.txt']
-        assert stamp == b'2026-03-01 12:34:56 UTC\n'
+        assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 12:34:56 UTC\n'
         assert [name for name in taken(layout) if name.endswith('.txt')] == [
             f'ann/{TALK}/timestamp.txt'
         ]
@@ -273,9 +272,7 @@ class TestDueDates:
             **inbound(late, student='eve'),
         }
 
-        rows = gather(files)
-
-        assert {row.student: row.notes for row in rows} == {
+        assert {row.student: row.notes for row in gather(files)} == {
             'ann': ('late by 2 h 5 min',),
             'bob': (),
             'dan': (),

@@ -235,8 +235,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
     notebooks[0].unlink()
     arguments = ['sample-class', '--to', str(tmp_path / 'class')]
     assert command.main(arguments) == command.USAGE
-    said = capsys.readouterr().err
-    assert f'{notebooks[-1]}: this file already exists. Try: --force' in said
+    assert f'{notebooks[-1]}: this file already exists. Try: --force' in capsys.readouterr().err
     assert (notebooks[-1].read_bytes(), notebooks[0].exists()) == (b'my own', False)
 
     assert command.main([*arguments, '--force']) == OK

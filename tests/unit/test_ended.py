@@ -235,9 +235,7 @@ def test_entry_point_calls_main():
     ],
 )
 def test_missing_node_is_explained_by_the_code(code, cause_id):
-    found = causes.why_no_node(run(nodes=(), files={'n.py': code}), '/n')
-
-    assert found.cause_id == cause_id
+    assert causes.why_no_node(run(nodes=(), files={'n.py': code}), '/n').cause_id == cause_id
 
 
 def test_node_that_could_not_be_seen_is_not_called_missing():

@@ -29,8 +29,7 @@ def test_lock_every_line_is_an_exact_pin():
     for line in PINS:
         assert pins_module.PIN.match(line), line
         marker = line.partition(';')[2].partition('--hash')[0]
-        words = re.sub(pins_module.PYTHON, '', marker).split()
-        assert set(words) <= {'or'}, line
+        assert set(re.sub(pins_module.PYTHON, '', marker).split()) <= {'or'}, line
 
 
 def test_lock_is_what_render_writes():
@@ -141,6 +140,4 @@ def test_oldest_of_each_takes_the_oldest_patch_release():
         replace(this, release=release) for release in ('3.11.7', '3.11.10', '3.11.2', '3.12.1')
     ]
 
-    chosen = lock.oldest_of_each(found)
-
-    assert [item.release for item in chosen] == ['3.11.2', '3.12.1']
+    assert [item.release for item in lock.oldest_of_each(found)] == ['3.11.2', '3.12.1']

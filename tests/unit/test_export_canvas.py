@@ -59,18 +59,14 @@ def test_one_column_is_filled_and_every_other_cell_stays():
 
 @pytest.mark.parametrize('student', ['ada', 's11', '11'])
 def test_a_student_is_found_by_any_id(student):
-    done = fill([Mark(student, 1.0, 6.5)])
-
-    assert cells(done.data)[3][7] == '1'
+    assert cells(fill([Mark(student, 1.0, 6.5)]).data)[3][7] == '1'
 
 
 @pytest.mark.parametrize('login', ["o'neil@uni.example", 'bob+ros@uni.example'])
 def test_an_id_that_collect_had_to_change_is_found(login):
     """The export changes an id that nbgrader cannot use in the same way as ``collect`` does."""
     data = book(ADA, BOB.replace('bob@uni.example', login))
-    done = fill([Mark(student_id(login), 1.0, 6.5)], data)
-
-    assert cells(done.data)[4][7] == '1'
+    assert cells(fill([Mark(student_id(login), 1.0, 6.5)], data).data)[4][7] == '1'
 
 
 @pytest.mark.parametrize('student', ['Lovelace, Ada', 'ADA', 'ad', 'adaa', ''])
@@ -147,8 +143,7 @@ def test_other_points_possible_are_refused_or_scaled():
     with pytest.raises(GraderError, match=r'expected 6\.5 points possible .* got 10'):
         fill(marks(ada=3.25), column='101')
 
-    done = fill(marks(ada=3.25), column='101', scale=True)
-    assert cells(done.data)[3][6] == '5'
+    assert cells(fill(marks(ada=3.25), column='101', scale=True).data)[3][6] == '5'
 
 
 def test_semicolons_commas_a_mark_and_line_ends_stay():
@@ -165,9 +160,7 @@ def test_first_and_last_name_may_have_columns_of_their_own():
     data = book().decode().replace('Student,', 'LastName,FirstName,', 1)
     data = data.replace('\n,', '\n,,').replace('Possible,', 'Possible,,').replace('"L', 'A,"L')
     lines = [line for line in data.splitlines() if not line.startswith(('"', '\n'))]
-    done = fill(marks(ada=1.0), '\n'.join([*lines, '']).encode())
-
-    assert cells(done.data)[3][8] == '1'
+    assert cells(fill(marks(ada=1.0), '\n'.join([*lines, '']).encode()).data)[3][8] == '1'
 
 
 @pytest.mark.parametrize(

@@ -144,8 +144,7 @@ class TestResults:
 class TestZip:
     def test_the_two_files_of_the_specification_are_scripts_at_the_root(self, archive, tmp_path):
         for name in ('setup.sh', 'run_autograder'):
-            entry = archive.getinfo(name)
-            assert stat.S_IMODE(entry.external_attr >> 16) == 0o755
+            assert stat.S_IMODE(archive.getinfo(name).external_attr >> 16) == 0o755
             assert archive.read(name).startswith(b'#!/usr/bin/env bash\n')
             (tmp_path / name).write_bytes(archive.read(name))
             subprocess.run(['bash', '-n', tmp_path / name], check=True)

@@ -37,9 +37,7 @@ def failing(**changes):
 
 
 def test_a_failed_check_says_five_things_in_order():
-    lines = check_lines(failing())
-
-    assert lines == [
+    assert check_lines(failing()) == [
         '[FAIL] It speaks twice a second. (0.5 of 2)',
         '       expected: one message every 0.5 s',
         '       observed: 3 messages in 6 s',

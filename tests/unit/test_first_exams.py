@@ -115,9 +115,7 @@ class TestNightWatch:
         ],
     )
     def test_wrong_level_is_explained(self, level, cause_id):
-        run = night(*watches(level))
-
-        assert cause_of(night_watch.every_fifth_is_a_warning, run) == cause_id
+        assert cause_of(night_watch.every_fifth_is_a_warning, night(*watches(level))) == cause_id
 
     @pytest.mark.parametrize(
         ('form', 'code', 'cause_id'),

@@ -73,6 +73,4 @@ def test_two_nodes_have_two_publishers_each_of_their_own():
 
 def test_first_news_of_a_node_without_its_name_is_no_flag():
     """An endpoint may be discovered before the name of its node."""
-    run = recording(nodes=[])
-
-    assert flags_of(run, Scenario()) == ()
+    assert flags_of(recording(nodes=[]), Scenario()) == ()
