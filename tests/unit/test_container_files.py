@@ -12,6 +12,7 @@ ROOT = Path(__file__).parents[2]
 CONTAINER = ROOT / 'deploy' / 'container'
 PROFILE = CONTAINER / 'grader.json'
 BEFORE_A_RULE, END = ',\n\t\t{', '\n\t]\n}'
+COMPOSE = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
 DOCKERS = '536529b665dd0972c37bfb569f5d4ac8a53592e7b00752bc39ff063ca9864c74'
 """SHA-256 of Docker's profile."""
 
@@ -31,8 +32,7 @@ def test_profile_is_that_of_docker_and_one_more_rule() -> None:
 
 
 def test_paths_and_stages_exist() -> None:
-    compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
-    build = compose['build']
+    build = COMPOSE['build']
     assert (CONTAINER / build['context'] / build['dockerfile']).samefile(CONTAINER / 'Dockerfile')
     folder = ROOT / '.devcontainer'
     described = json.loads((folder / 'devcontainer.json').read_text())['build']
@@ -49,11 +49,10 @@ def test_documentation_names_the_same_calls() -> None:
 
 
 def test_the_workflow_starts_the_image_as_compose_does() -> None:
-    compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
     workflow = yaml.safe_load((ROOT / '.github' / 'workflows' / 'image.yml').read_text())
     steps = [step.get('run', '') for step in workflow['jobs']['image']['steps']]
     start = next(step for step in steps if 'docker run' in step)
-    options = [one.removesuffix(':true') for one in compose['security_opt']]
+    options = [one.removesuffix(':true') for one in COMPOSE['security_opt']]
     assert re.findall(r'--security-opt (\S+)', start) == options
-    assert re.findall(r'--cap-drop (\S+)', start) == compose['cap_drop']
-    assert re.findall(r'--shm-size (\S+)', start) == [compose['shm_size']]
+    assert re.findall(r'--cap-drop (\S+)', start) == COMPOSE['cap_drop']
+    assert re.findall(r'--shm-size (\S+)', start) == [COMPOSE['shm_size']]

@@ -5,6 +5,7 @@ from pathlib import Path
 import subprocess
 import sys
 
+from collect_sources import laid
 import pytest
 
 from autograder.classroom.course_lock import lock_course
@@ -34,12 +35,9 @@ def held(root):
 
 def create_leftover_files(layout):
     """Create one file that a killed run leaves, and two files of other programs; return all."""
-    folder = layout.reports / '01_talker'
-    folder.mkdir(parents=True)
-    files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'class.html']
-    for file in files:
-        file.write_text('', encoding='utf-8')
-    return files
+    names = f'.results.json.{"0f" * 16}', '.hidden', 'class.html'
+    folder = laid(layout.reports / '01_talker', dict.fromkeys(names, b''))
+    return [folder / name for name in names]
 
 
 def test_a_second_grading_names_the_first_one(tmp_path):

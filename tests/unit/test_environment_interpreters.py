@@ -7,6 +7,7 @@ from pathlib import Path
 import subprocess
 import sys
 
+from collect_sources import laid
 import pytest
 
 from environment import interpreters
@@ -84,9 +85,8 @@ def test_probe_broken_shim_gives_none(tmp_path, script):
 def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
     shims = tmp_path / 'shims'
     real = tmp_path / 'pyenv' / 'versions' / '3.12.1' / 'bin'
-    for folder in (shims, real):
-        folder.mkdir(parents=True)
-    (shims / 'python3.12').write_text('#!/bin/sh\nexit 127\n')
+    real.mkdir(parents=True)
+    laid(shims, {'python3.12': b'#!/bin/sh\nexit 127\n'})
     (shims / 'python3.12').chmod(0o755)
     expected = fake_python(real, 'python3.12')
 

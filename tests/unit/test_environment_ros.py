@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 
+from collect_sources import laid
 import pytest
 
 from environment import describe, install_files
@@ -37,18 +38,14 @@ def test_course_without_a_package_is_described_without_one(places):
     assert describe.trial_of_messages(ros.package) == 'import rclpy'
 
 
-def test_ros_environment_missing_names_doctor(tmp_path):
+@pytest.mark.parametrize('text', [None, '', '{', '[]', '{"kind": "wheels"}'])
+def test_ros_environment_missing_or_damaged_names_doctor(tmp_path, text):
+    if text is not None:
+        (tmp_path / FILE_NAME).write_text(text)
+
     with pytest.raises(RosEnvironmentError, match='make doctor') as caught:
         ros_environment(tmp_path)
     assert FILE_NAME in str(caught.value)
-
-
-@pytest.mark.parametrize('text', ['', '{', '[]', '{"kind": "wheels"}'])
-def test_ros_environment_damaged_names_doctor(tmp_path, text):
-    (tmp_path / FILE_NAME).write_text(text)
-
-    with pytest.raises(RosEnvironmentError, match='make doctor'):
-        ros_environment(tmp_path)
 
 
 def test_from_json_wrong_type_is_refused(places):
@@ -143,15 +140,14 @@ def test_install_files_adapts_jupyterlab(places):
     style = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
     assert 'word-break: normal' in style.read_text()
     assert '.jp-mod-selected { overflow-anchor: auto; }' in style.read_text()
-    settings = {
-        path: json.loads((places.venv / path).read_text())
+    page, lab, overrides = (
+        json.loads((places.venv / path).read_text())
         for path in (
             'etc/jupyter/labconfig/page_config.json',
             'etc/jupyter/jupyter_lab_config.json',
             'share/jupyter/lab/settings/overrides.json',
         )
-    }
-    page, lab, overrides = settings.values()
+    )
     assert page['disabledExtensions']['@jupyterlab/apputils-extension:announcements'] is True
     assert lab['LabApp']['custom_css'] is True
     saving = {'autosaveInterval': 10, 'lastModifiedCheckMargin': 10_000}
@@ -210,10 +206,9 @@ def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_pat
 
 def test_the_goals_of_the_course_work_in_every_folder_of_a_terminal(terminal, places, tmp_path):
     """A Makefile in the current folder, or one chosen with -f or -C, takes precedence."""
-    notebooks, own = tmp_path / 'notebooks', tmp_path / 'own'
-    for folder in (notebooks, own):
-        folder.mkdir()
-    (own / 'Makefile').write_text('publisher:\n\t@echo my own\n')
+    notebooks = tmp_path / 'notebooks'
+    notebooks.mkdir()
+    own = laid(tmp_path / 'own', {'Makefile': b'publisher:\n\t@echo my own\n'})
 
     shell = [str(places.terminal / 'shell')]
     assert terminal('make publisher\n', notebooks, shell) == ['published']

@@ -1,5 +1,6 @@
 """A prepared environment is up to date until one of its inputs changes."""
 
+from collect_sources import laid
 import pytest
 
 from environment import stamps
@@ -8,11 +9,8 @@ from environment.places import Places
 
 @pytest.fixture
 def places(tmp_path):
-    package = tmp_path / 'temp_monitor_pkg'
-    (package / 'msg').mkdir(parents=True)
-    (package / 'test').mkdir()
-    (package / 'msg' / 'Num.msg').write_text('int64 num\n')
-    (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
+    files = {'course.toml': b"package = 'temp_monitor_pkg'\n", 'temp_monitor_pkg/test/x.py': b''}
+    laid(tmp_path, {**files, 'temp_monitor_pkg/msg/Num.msg': b'int64 num\n'})
     return Places.of('.venv', tmp_path)
 
 
@@ -41,9 +39,7 @@ def test_is_ready_changed_source_is_false(places, name):
 def test_is_ready_changed_test_is_true(places):
     """The package's tests are not installed, so they need no build."""
     write_ready(places)
-    (places.package / 'test' / 'test_new.py').write_text('')
-    (places.package / '__pycache__').mkdir()
-    (places.package / '__pycache__' / 'x.pyc').write_text('')
+    laid(places.package, {'test/test_new.py': b'', '__pycache__/x.pyc': b''})
 
     assert stamps.is_ready(places, {})
 

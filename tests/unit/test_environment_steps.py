@@ -7,6 +7,7 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
+from collect_sources import laid
 import pytest
 
 from environment import prepare, system
@@ -164,8 +165,7 @@ def test_locked_second_holder_waits(tmp_path):
 
 
 def test_clear_venv_foreign_folder_is_refused(tmp_path):
-    (tmp_path / '.venv').mkdir()
-    (tmp_path / '.venv' / 'thesis.txt').touch()
+    laid(tmp_path, {'.venv/thesis.txt': b''})
 
     with pytest.raises(StepError, match='not a virtual environment'):
         prepare.clear_venv(Places.of('.venv', tmp_path))
@@ -174,9 +174,7 @@ def test_clear_venv_foreign_folder_is_refused(tmp_path):
 
 def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
     """The environment behind a link belongs to another copy of the course."""
-    other = tmp_path / 'other'
-    other.mkdir()
-    (other / 'pyvenv.cfg').touch()
+    other = laid(tmp_path / 'other', {'pyvenv.cfg': b''})
     (tmp_path / '.venv').symlink_to(other)
 
     with pytest.raises(StepError, match='this is a link to'):
@@ -186,12 +184,9 @@ def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
 
 def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
     places = Places.of('.venv', tmp_path)
-    (places.venv / 'lib').mkdir(parents=True)
+    laid(places.venv, {'lib/x.py': b'', 'pyvenv.cfg': b''})
+    laid(places.notes, {'logs/venv.log': b'', 'packages.stamp': b''})
     (places.venv / 'lib64').symlink_to('lib')
-    (places.venv / 'pyvenv.cfg').touch()
-    (places.notes / 'logs').mkdir(parents=True)
-    (places.notes / 'logs' / 'venv.log').touch()
-    (places.notes / 'packages.stamp').touch()
 
     prepare.clear_venv(places)
 

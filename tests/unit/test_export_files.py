@@ -52,14 +52,11 @@ def test_a_file_that_need_not_last_does_not_wait_for_the_disk(tmp_path, monkeypa
     assert os.listdir(tmp_path) == ['page.html']
 
 
-def test_a_link_is_something_that_is_there(tmp_path):
+def test_a_link_is_something_that_is_there_and_a_folder_is_not_replaced(tmp_path):
     (tmp_path / 'marks.csv').symlink_to('nowhere')
 
     with pytest.raises(GraderError, match='already exists'):
         refuse_existing([tmp_path / 'marks.csv'], force=False)
-
-
-def test_a_folder_is_not_replaced(tmp_path):
     with pytest.raises(GraderError, match='this is a folder'):
         refuse_existing([tmp_path], force=True)
 
@@ -75,12 +72,9 @@ def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
         write_atomically(tmp_path / f'{name}.html', b'x')
 
 
-def test_short_names_stay_as_they_are():
+def test_short_names_stay_as_they_are_and_signs_that_stand_for_others_do_not():
     assert safe_name('x' * LONGEST_NAME) == 'x' * LONGEST_NAME
     assert safe_name('ü b') == '~C3~BC~20b'
-
-
-def test_signs_that_stand_for_others_stand_for_themselves_too():
     for one, two in (('a b', 'a~20b'), ('', '~'), ('Щ' * 42, safe_name('Щ' * 42))):
         assert safe_name(one) != safe_name(two)
 
@@ -96,7 +90,6 @@ def test_names_of_files_are_safe_and_as_different_as_the_ids(one, two):
 
     for name in names:
         assert name
-        assert name not in ('.', '..')
         assert '/' not in name
         assert not name.startswith('.')
     assert (names[0] == names[1]) == (one == two)
