@@ -1,6 +1,7 @@
 """Multiple-choice questions: the letter of an ``%%answer`` cell, and the exam that reads it."""
 
 from itertools import pairwise
+from pathlib import Path
 import re
 
 import pytest
@@ -88,26 +89,24 @@ def test_code_in_an_answer_is_never_executed(tmp_path):
 
 class TestMagic:
     @pytest.fixture(autouse=True)
-    def folder(self, tmp_path, monkeypatch):
-        """Work in an empty folder and return it."""
+    def work_in_an_empty_folder(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
-        return tmp_path
 
-    def saved(self, folder):
-        return [path.read_text() for path in folder.rglob('answers/q07.txt')]
+    def saved(self):
+        return [path.read_text() for path in Path().rglob('answers/q07.txt')]
 
-    def test_answer_is_saved_and_said(self, folder, capsys):
+    def test_answer_is_saved_and_said(self, capsys):
         run_cell('answer', 'q07', '"B"  # sure\n', {})
 
         assert capsys.readouterr() == ('Saved your answer to q07: b\n', '')
-        assert self.saved(folder) == ['"B"  # sure\n']
+        assert self.saved() == ['"B"  # sure\n']
 
-    def test_stub_is_not_written_yet(self, folder):
+    def test_stub_is_not_written_yet(self):
         with pytest.raises(NotImplementedError, match='%%answer q07 is not written yet') as caught:
             run_cell('answer', 'q07', STUB, {})
 
         assert caught.value._render_traceback_() == [f'NotImplementedError: {caught.value}']
-        assert self.saved(folder) == [STUB]
+        assert self.saved() == [STUB]
 
     @pytest.mark.parametrize(
         ('body', 'said'),
@@ -116,13 +115,13 @@ class TestMagic:
             ("'e'\n", "expected 'a', 'b', 'c' or 'd', got 'e'. Write one letter."),
         ],
     )
-    def test_no_letter_is_refused_and_replaces_the_older_answer(self, folder, body, said):
+    def test_no_letter_is_refused_and_replaces_the_older_answer(self, body, said):
         """The file gets the cell's content, so that the earlier letter is not checked."""
         run_cell('answer', 'q07', "'a'\n", {})
         with pytest.raises(AnswerRefusedError, match=re.escape(said)):
             run_cell('answer', 'q07', body, {})
 
-        assert self.saved(folder) == [body]
+        assert self.saved() == [body]
 
 
 def answers(**letters):

@@ -282,13 +282,11 @@ class TestWhatWasGraded:
         assert layout.assignment_named('talker') == ASSIGNMENT
         assert graded(layout, 'talker')[0].results == CLASS.results[:3]
 
-    def test_a_typo_is_answered_with_a_near_one(self, layout):
+    def test_a_typo_is_answered_with_a_near_one_and_nothing_graded_with_what_to_do(self, layout):
         with pytest.raises(GraderError, match='Did you mean 01_talker'):
             layout.assignment_named('01_taker')
-
-    def test_nothing_graded_says_what_to_do(self, tmp_path):
         with pytest.raises(GraderError, match='Try: make grade'):
-            graded(Layout(tmp_path))
+            graded(Layout(layout.root / 'nothing'))
 
 
 def test_visible_checks_alone_make_no_marks(tmp_path):

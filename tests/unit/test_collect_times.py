@@ -8,7 +8,6 @@ import sqlite3
 import sys
 
 from collect_sources import (
-    collect,
     configure,
     GOOD,
     GRADESCOPE,
@@ -143,56 +142,44 @@ class TestStampBesideANotebook:
         ]
 
     def test_one_of_a_student_counts_for_nothing_else(self, gather, layout):
-        files = {
-            **GRADESCOPE,
-            'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00',
-        }
+        own = {'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00'}
 
-        gather(files, packed)
+        gather({**GRADESCOPE, **own}, packed)
 
         assert b'2026-03-01' in taken(layout)[f'1001/{TALK}/timestamp.txt']
 
-    def test_in_a_repository_it_is_the_students_own(self, gather, layout):
-        """In a repository the stamp does not count, because the student can write it."""
-        for git in ('.git/HEAD', '.gitignore'):
-            files = {
-                f'ann/{git}': b'',
-                f'ann/{TALK}/talk.ipynb': GOOD,
-                f'ann/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
-            }
-
-            (row,) = gather(files)
-
-            assert row.handed_in == ''
-            assert row.notes[0].startswith('timestamp.txt ignored: in a repository')
-        assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
-
-    def test_elsewhere_it_is_some_file(self, gather):
-        files = {
-            f'ann/notebooks/{TALK}/talk.ipynb': GOOD,
-            f'ann/notebooks/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
-        }
+    @pytest.mark.parametrize(
+        ('folder', 'git', 'note'),
+        [
+            # In a repository, the student can write the stamp.
+            ('ann', 'ann/.git/HEAD', 'timestamp.txt ignored: in a repository'),
+            ('ann', 'ann/.gitignore', 'timestamp.txt ignored: in a repository'),
+            # nbgrader writes no stamp into this folder.
+            ('ann/notebooks', '', ''),
+        ],
+    )
+    def test_in_other_folders_it_does_not_count(self, folder, git, note, gather, layout):
+        files = {f'{folder}/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC'}
+        files |= {f'{folder}/{TALK}/talk.ipynb': GOOD, **({git: b''} if git else {})}
 
         (row,) = gather(files)
 
-        assert (row.handed_in, row.notes) == ('', ())
+        assert row.handed_in == ''
+        assert row.notes[0].startswith(note) if note else row.notes == ()
+        assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
 
 class TestOlderWork:
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
-    def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
-        monday = laid(tmp_path / 'monday', inbound(self.MONDAY))
-        tuesday = laid(tmp_path / 'tuesday', inbound(self.TUESDAY))
-        collect(tuesday, layout, layout.submitted)
+    def test_it_replaces_nothing_that_is_newer(self, gather, layout):
+        gather(inbound(self.TUESDAY))
         before = taken(layout)
 
         for write in (False, True):
-            (row,) = collect(monday, layout, layout.submitted, write=write)
-            assert (row.done, row.notes[0]) == (
-                LEFT,
-                'older than the collected one from 2026-03-03 12:00',
-            )
+            (row,) = gather(inbound(self.MONDAY), write=write)
+            assert row.done == LEFT
+            assert row.notes[0] == 'older than the collected one from 2026-03-03 12:00'
         assert taken(layout) == before
 
     def test_newer_work_replaces_it(self, gather, layout):
@@ -203,14 +190,11 @@ class TestOlderWork:
         assert (row.done, row.notes) == (REPLACED, ())
         assert b'2026-03-03' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
-    def test_the_same_work_keeps_the_time_of_the_last_hand_in(self, tmp_path, layout):
-        place = f'ann+{TALK}+{{}}+x/talk.ipynb'
-        tuesday = laid(tmp_path / 't', {place.format(self.TUESDAY): GOOD})
-        collect(tuesday, layout, layout.submitted)
+    def test_the_same_work_keeps_the_time_of_the_last_hand_in(self, gather, layout):
+        gather({f'ann+{TALK}+{self.TUESDAY}+x/talk.ipynb': GOOD})
         before = taken(layout)
 
-        monday = laid(tmp_path / 'm', {place.format(self.MONDAY): GOOD})
-        (row,) = collect(monday, layout, layout.submitted)
+        (row,) = gather({f'ann+{TALK}+{self.MONDAY}+x/talk.ipynb': GOOD})
 
         assert (row.done, row.notes) == (UNCHANGED, ('handed in again later',))
         assert taken(layout) == before
@@ -230,31 +214,23 @@ class TestOlderWork:
 class TestStaleTime:
     """A saved time belongs only to the notebook next to it."""
 
-    def test_newer_work_without_a_time_loses_the_old_one(self, tmp_path, layout):
+    def test_newer_work_without_a_time_loses_the_old_one(self, gather, layout):
         """The old time is removed; otherwise late work would seem to be on time."""
-        collect(
-            laid(tmp_path / 'inbound', inbound('2026-03-01 12:00:00 UTC')),
-            layout,
-            layout.submitted,
-        )
-        newer = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
+        gather(inbound('2026-03-01 12:00:00 UTC'))
 
-        dry = collect(newer, layout, layout.submitted, write=False)
-        assert f'ann/{TALK}/timestamp.txt' in taken(layout)
-        rows = collect(newer, layout, layout.submitted)
-
-        assert [row.done for row in dry] == [row.done for row in rows] == [REPLACED]
-        assert rows[0].notes == dry[0].notes == ('it is unknown which notebook is newer',)
+        for write in (False, True):
+            assert f'ann/{TALK}/timestamp.txt' in taken(layout)
+            (row,) = gather({'ann/talk.ipynb': GOOD}, write=write)
+            assert (row.done, row.notes) == (REPLACED, ('it is unknown which notebook is newer',))
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
-        assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
+        assert [row.done for row in gather({'ann/talk.ipynb': GOOD})] == [UNCHANGED]
 
-    def test_the_same_work_keeps_its_time(self, tmp_path, layout):
+    def test_the_same_work_keeps_its_time(self, gather, layout):
         """Work that has not changed keeps its time, which a person may have written."""
-        source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
-        collect(source, layout, layout.submitted)
+        gather({'ann/talk.ipynb': GOOD})
         laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:00:00 UTC\n'})
 
-        (row,) = collect(source, layout, layout.submitted)
+        (row,) = gather({'ann/talk.ipynb': GOOD})
 
         assert row.done == UNCHANGED
         assert f'ann/{TALK}/timestamp.txt' in taken(layout)
@@ -279,14 +255,13 @@ class TestDueDates:
             'eve': ('late by 2 h 5 min',),
         }
 
-    def test_looking_makes_no_gradebook_and_changes_none(self, tmp_path, layout, gradebook):
-        source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
+    def test_looking_makes_no_gradebook_and_changes_none(self, gather, gradebook):
         before = gradebook.read_bytes()
-        collect(source, layout, layout.submitted)
+        gather(inbound('2026-03-01 14:00:00 UTC'))
         assert gradebook.read_bytes() == before
         gradebook.unlink()
 
-        (row,) = collect(source, layout, layout.submitted)
+        (row,) = gather(inbound('2026-03-01 14:00:00 UTC'))
 
         assert row.notes == ()
         assert not gradebook.exists()
@@ -296,9 +271,8 @@ class TestDueDates:
         rows = gather(inbound('2026-03-01 14:00:00 UTC'))
 
         assert [row.done for row in rows] == ['not taken', TAKEN]
-        assert (
-            rows[0].notes[0].startswith('due dates unknown, because the gradebook cannot be read')
-        )
+        unknown = 'due dates unknown, because the gradebook cannot be read'
+        assert rows[0].notes[0].startswith(unknown)
 
     def test_nbgrader_is_not_imported(self, tmp_path, layout, gradebook):
         """Collecting does not import nbgrader, which takes seconds."""

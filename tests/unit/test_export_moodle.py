@@ -84,9 +84,8 @@ def test_a_worksheet_in_a_different_language_needs_the_name_of_its_column():
     with pytest.raises(GraderError, match=r"no column 'Grade'.* Bewertung, Maximum Grade"):
         fill({'Ann Example': 1.0}, data)
 
-    assert (
-        grades(fill({'Ann Example': 1.0}, data, column='Bewertung').data)['Participant 311'] == '1'
-    )
+    filled = fill({'Ann Example': 1.0}, data, column='Bewertung')
+    assert grades(filled.data)['Participant 311'] == '1'
 
 
 def test_a_different_maximum_is_refused_or_scaled():
@@ -95,8 +94,9 @@ def test_a_different_maximum_is_refused_or_scaled():
     with pytest.raises(GraderError, match=r'expected 6\.5 points possible for Grade, got 10'):
         fill({'Ann Example': 3.25}, data)
 
-    assert fill({'Ann Example': 3.25}, data, scale=True).replaced == []
-    assert grades(fill({'Ann Example': 3.25}, data, scale=True).data)['Participant 311'] == '5'
+    scaled = fill({'Ann Example': 3.25}, data, scale=True)
+    assert scaled.replaced == []
+    assert grades(scaled.data)['Participant 311'] == '5'
 
 
 @pytest.mark.parametrize(

@@ -4,15 +4,9 @@ from dataclasses import dataclass
 
 import pytest
 
-from autograder.results import (
-    CheckResult,
-    ExamResult,
-    Problem,
-    SubmissionResult,
-    Verdict,
-)
+from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
 from autograder.submission.extract import answer_files, extract, with_reasons
-from autograder.submission.notebook import StudentCell
+from autograder.submission.notebook import marks_of, StudentCell
 from autograder.submission.submission import Opened, rebuild
 
 
@@ -43,13 +37,9 @@ RELEASE = {
 
 
 def files_of(**answers):
-    sources = {
-        cell['metadata']['nbgrader']['grade_id']: cell['source'] for cell in RELEASE['cells']
-    }
-    sources.update(answers)
-    student = [
-        StudentCell(name, 'code', text) for name, text in sources.items() if text is not None
-    ]
+    stubs = {marks_of(cell)['grade_id']: cell['source'] for cell in RELEASE['cells']}
+    sources = {**stubs, **answers}.items()
+    student = [StudentCell(name, 'code', text) for name, text in sources if text is not None]
     notebook, problems = rebuild(RELEASE, student, 'x')
     return extract(Opened(notebook, problems), EXAMS, RELEASE, 'x')
 
