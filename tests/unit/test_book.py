@@ -17,7 +17,6 @@ PICTURE = {'text/plain': 'a graph', 'text/html': '<svg/>'}
 
 
 def lesson(*cells):
-    """Return a notebook with these cells."""
     metadata = {'language_info': {'name': 'python'}}
     return new_notebook(cells=list(cells), metadata=metadata)
 

@@ -33,7 +33,6 @@ def messages(*clocks_s):
 
 
 def failure(check, *arguments, **facts):
-    """Return the failure of a check."""
     with pytest.raises(Failed) as failed:
         check(*arguments, **facts)
     return failed.value
@@ -249,8 +248,6 @@ class TestMessages:
 
 
 class TestLogs:
-    """Only log lines of the node's own logger count."""
-
     def test_lines_of_others_do_not_count(self):
         """Child loggers count; a node whose name only begins with the same letters does not."""
         run = run_of(log('mine'), log('child', name='lab.a.kid'), log('other', name='lab.ab'))
@@ -262,7 +259,6 @@ class TestAnswers:
     SERVICE = '/lab/a/change_state'
 
     def answer(self, **data):
-        """Return an answered call."""
         return {'event': 'answer', 'service': self.SERVICE, 'data': data}
 
     def test_wanted_answers_pass(self):

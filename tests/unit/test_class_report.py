@@ -29,7 +29,6 @@ def numbers_of(*results, root='/nowhere'):
 
 
 def page_of(root, *results, summary=''):
-    """Return the page of a class in a course."""
     made = ClassResults(ASSIGNMENT, tuple(results))
     return write_class_report(Layout(root), made, summary).read_text('utf-8')
 
@@ -72,7 +71,6 @@ def layout(tmp_path):
 
 
 def read(page):
-    """Return a parsed page."""
     return BeautifulSoup(page, 'html.parser')
 
 

@@ -239,8 +239,6 @@ def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
 
 
 class TestNamedKind:
-    """``--kind`` names the platform of the source."""
-
     @pytest.mark.parametrize('wanted', ['canvas', 'moodle', 'gradescope', 'exchange', 'folder'])
     def test_a_source_that_is_of_another_is_refused(self, wanted, gather):
         with pytest.raises(UnusableUploadError) as caught:

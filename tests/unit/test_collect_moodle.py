@@ -1,6 +1,7 @@
 """Moodle: names become ids, and two people with the same name are never confused."""
 
 from functools import partial
+from unittest.mock import Mock
 
 from collect_sources import (
     GOOD,
@@ -116,10 +117,10 @@ class TestMoodle:
             gather(MOODLE, packed)
 
     def test_a_memory_that_cannot_be_written_is_one_line(self, gather, layout, monkeypatch):
-        def full(*_):
-            raise OSError(28, 'No space left on device')
-
-        monkeypatch.setattr('autograder.classroom.tables.write_atomically', full)
+        monkeypatch.setattr(
+            'autograder.classroom.tables.write_atomically',
+            Mock(side_effect=OSError(28, 'No space left on device')),
+        )
 
         rows = gather(MOODLE, packed)
 

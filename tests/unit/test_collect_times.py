@@ -237,8 +237,6 @@ class TestStaleTime:
 
 
 class TestDueDates:
-    """The due dates are those of the gradebook."""
-
     def test_late_work_is_reported(self, gather, gradebook):
         late = '2026-03-01 14:05:30.000000 UTC'
         files = {

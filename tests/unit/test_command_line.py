@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pytest
 from rich.console import Console
@@ -47,10 +48,9 @@ def test_options_of_grade_that_cannot_be_used_are_named(options, said, tmp_path,
 
 
 def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch):
-    def refuse():
-        raise SandboxUnavailable('No bubblewrap.', 'Install it.')
-
-    monkeypatch.setattr(choose, 'strongest', refuse)
+    monkeypatch.setattr(
+        choose, 'strongest', Mock(side_effect=SandboxUnavailable('No bubblewrap.', 'Install it.'))
+    )
 
     assert command.main(['grade', '--submitted', str(tmp_path)]) == command.USAGE
     assert 'No bubblewrap. Install it.' in capsys.readouterr().err
@@ -67,7 +67,6 @@ def test_a_check_that_cannot_run_says_so_as_data(tmp_path, capsys):
 
 
 def one_line(captured):
-    """Return the only line on standard error."""
     (line,) = captured.err.splitlines()
     return line
 
@@ -101,10 +100,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 
 
 def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
-    def refuse(*_, **__):
-        raise OSError(28, 'No space left on device')
-
-    monkeypatch.setattr(catalog, 'load', refuse)
+    monkeypatch.setattr(catalog, 'load', Mock(side_effect=OSError(28, 'No space left on device')))
 
     assert command.main(['check', 'a', '--files', str(tmp_path)]) == command.USAGE
     assert one_line(capsys.readouterr()).startswith(
@@ -158,11 +154,13 @@ def test_a_python_without_the_packages_is_one_line(tmp_path):
 
 def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
     """A missing module of the grader keeps its traceback: a different Python would not help."""
-
-    def refuse(*_, **__):
-        raise ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
-
-    monkeypatch.setattr(catalog, 'load', refuse)
+    monkeypatch.setattr(
+        catalog,
+        'load',
+        Mock(
+            side_effect=ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
+        ),
+    )
 
     with pytest.raises(ModuleNotFoundError):
         command.main(['check', 'a', '--files', str(tmp_path)])
@@ -172,7 +170,6 @@ class TestCheckWithoutTheFile:
     """If ``check`` reads a folder, its messages name files, not cells."""
 
     def check(self, folder, *options):
-        """Run the check of the publisher on a folder."""
         options = ('--visible', *options)
         return command.main(['check', 'temperature_publisher', '--files', str(folder), *options])
 
@@ -286,10 +283,7 @@ def test_sample_students_never_follow_a_class(elsewhere):
     ],
 )
 def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
-    def stop(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Layout, 'here', stop)
+    monkeypatch.setattr(Layout, 'here', Mock(side_effect=KeyboardInterrupt))
 
     assert command.main(argv) == command.STOPPED
     assert said in capsys.readouterr().err

@@ -18,7 +18,6 @@ DOCKERS = '536529b665dd0972c37bfb569f5d4ac8a53592e7b00752bc39ff063ca9864c74'
 
 
 def own_rule() -> dict[str, Any]:
-    """Return the rule that the profile adds to Docker's profile."""
     return json.loads(PROFILE.read_text(encoding='utf-8'))['syscalls'][-1]
 
 

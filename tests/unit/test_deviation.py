@@ -35,12 +35,10 @@ def enough(run):
 
 
 def named(run):
-    """Fail and name the moment."""
     raise Failed(expected='a', observed='b', at=2 * 10**9)
 
 
 def last(run):
-    """Fail with the number of all messages."""
     raise Failed(expected='60', observed=f'{len(run.recording.messages("/t"))}')
 
 

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import sysconfig
+from unittest.mock import Mock
 from zipfile import ZipFile
 
 import pytest
@@ -173,10 +174,7 @@ def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypat
     """Without a note, an installed wheel would remain in the environment unnoticed."""
     set_up.wheel('ros-toy-msgs')
 
-    def stopped(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(messages, '_closure', stopped)
+    monkeypatch.setattr(messages, '_closure', Mock(side_effect=KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
         set_up.go('ros-toy-msgs==1.0\n')
     set_up.go('')

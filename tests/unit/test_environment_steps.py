@@ -31,7 +31,6 @@ class FakeSetUp:
         self.digest = 'inputs'
 
     def steps(self):
-        """Return the three steps."""
         return [
             Step(
                 name,

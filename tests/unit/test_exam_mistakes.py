@@ -23,7 +23,6 @@ STRING = 'std_msgs/msg/String'
 
 
 def exam(**scenario) -> Exam:
-    """Return an exam with this scenario."""
     facts = {'file': 'a.py', **scenario}
     return Exam(
         'sample',

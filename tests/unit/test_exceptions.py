@@ -37,7 +37,6 @@ def trace(error, line=5, code=CODE, below=''):
 
 
 def cause(error, line=5, below=''):
-    """Return the explanation of an error."""
     return raised.exception_cause(trace(error, line, below=below))
 
 

@@ -47,7 +47,6 @@ def rfc4180(data):
 
 
 def table(data):
-    """Return the rows of a file as dictionaries."""
     names, *rows = rfc4180(data)
     return [dict(zip(names, row)) for row in rows]
 

@@ -1,6 +1,7 @@
 """Exported files are written atomically and replace nothing unless forced."""
 
 import os
+from unittest.mock import Mock
 
 from hypothesis import given, settings, strategies
 import pytest
@@ -32,10 +33,7 @@ def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
     path = tmp_path / 'marks.csv'
     path.write_bytes(b'old')
 
-    def full(descriptor):
-        raise OSError(28, 'No space left on device')
-
-    monkeypatch.setattr(os, 'fsync', full)
+    monkeypatch.setattr(os, 'fsync', Mock(side_effect=OSError(28, 'No space left on device')))
 
     with pytest.raises(OSError, match='No space'):
         write_atomically(path, b'new')

@@ -19,7 +19,6 @@ VALID = Draft202012Validator(SCHEMA)
 
 @pytest.fixture
 def document():
-    """Return the exported class."""
     return json.loads(results_json(marked(CLASS, ABSENT)))
 
 

@@ -22,7 +22,6 @@ EXAMS = (FakeExam('message', ('msg', 'xml')), FakeExam('talker', ('talker',)))
 
 
 def solution(grade_id, source):
-    """Return an answer cell of a release."""
     marks = {'grade_id': grade_id, 'solution': True}
     return {'cell_type': 'code', 'metadata': {'nbgrader': marks}, 'source': source}
 

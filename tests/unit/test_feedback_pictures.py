@@ -35,7 +35,6 @@ def said(second, topic=TOPIC, **more):
 
 
 def fed(count, topic='/t'):
-    """Return this many input events."""
     facts = {'event': 'input', 'topic': topic, 'clock_ns': None, 'data': {}}
     return [{**facts, 'index': number} for number in range(count)]
 
@@ -111,8 +110,6 @@ def has_refusal(picture):
 
 
 class TestGraph:
-    """The graph shows which endpoints do not connect."""
-
     def test_another_topic_is_beside_the_expected_one(self):
         picture = drawn(recorded(ends=[end('/lab/chater')]), WRONG)
         names = 'node', 'topic', 'matched', 'remark'

@@ -393,7 +393,6 @@ class TestCourier:
 class TestRunningMean:
     @staticmethod
     def mean(value, after_input):
-        """Return a message with a mean."""
         facts = {'event': 'message', 'topic': '/mean', 'data': {'data': value}}
         return {**facts, 'after_input': after_input}
 

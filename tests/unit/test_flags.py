@@ -11,7 +11,6 @@ NODE = '/talker'
 
 
 def end(topic, node=NODE, kind='publisher'):
-    """Return an endpoint as in a recording."""
     return {'topic': topic, 'kind': kind, 'node': node, 'type': 'x/msg/X'}
 
 

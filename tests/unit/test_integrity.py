@@ -209,7 +209,6 @@ ODD = st.one_of(
 
 
 def places(value, path=()):
-    """Yield the path to every part of a notebook."""
     if not isinstance(value, (dict, list)):
         return
     for key, part in value.items() if isinstance(value, dict) else enumerate(value):
