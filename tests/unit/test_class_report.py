@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from bs4 import BeautifulSoup
+from collect_sources import laid
 from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission, VISIBLE
 from hypothesis import given, settings, strategies
 import pytest
@@ -41,12 +42,11 @@ def timed(student, **timing):
 
 def with_headers(root, *headers):
     """Return the results of a class whose recordings have these headers."""
-    place = Layout(root).recordings / 'talker'
-    place.mkdir(parents=True)
     results = []
     for number, header in enumerate(headers):
         name = f'{number}.jsonl'
-        (place / name).write_text(f'{json.dumps(header)}\nnonsense', encoding='utf-8')
+        recording = f'{json.dumps(header)}\nnonsense'.encode()
+        laid(Layout(root).recordings / 'talker', {name: recording})
         one = submission(f's{number}')
         results.append(replace(one, exams=(replace(one.exams[0], recording=name),)))
     return results
@@ -63,9 +63,7 @@ def with_points(*points):
 @pytest.fixture
 def layout(tmp_path):
     """Return a course with one released assignment that was graded."""
-    (tmp_path / 'notebooks' / ASSIGNMENT).mkdir(parents=True)
-    (tmp_path / 'notebooks' / ASSIGNMENT / 'talker.ipynb').write_text('{}', encoding='utf-8')
-    made = Layout(tmp_path)
+    made = Layout(laid(tmp_path, {f'notebooks/{ASSIGNMENT}/talker.ipynb': b'{}'}))
     write_all_reports(made, ASSIGNMENT, CLASS.results[:3])
     return made
 

@@ -11,6 +11,7 @@ import sys
 from types import SimpleNamespace
 from unittest.mock import Mock
 
+from collect_sources import laid
 import pytest
 from rich.console import Console
 
@@ -109,9 +110,8 @@ def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys
 
 
 def test_the_first_of_two_assignments_with_one_short_name_counts(tmp_path, monkeypatch):
-    for name in ('01_topics', '02_topics'):
-        (tmp_path / 'notebooks' / name).mkdir(parents=True)
-        (tmp_path / 'notebooks' / name / 'topics.ipynb').touch()
+    places = [f'notebooks/{name}/topics.ipynb' for name in ('01_topics', '02_topics')]
+    laid(tmp_path, dict.fromkeys(places, b''))
     exams = {'01_topics': (SimpleNamespace(name='a'),), '02_topics': (SimpleNamespace(name='b'),)}
     monkeypatch.setattr(catalog, 'for_assignment', lambda name, hidden: exams[name])
 
@@ -138,13 +138,9 @@ def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, m
 
 
 def test_a_python_without_the_packages_is_one_line(tmp_path):
+    argv = [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)]
     root = Path(command.__file__).parents[1]
-    done = subprocess.run(
-        [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)],
-        cwd=root,
-        capture_output=True,
-        text=True,
-    )
+    done = subprocess.run(argv, cwd=root, capture_output=True, text=True)
 
     assert done.returncode == command.USAGE
     (line,) = done.stderr.splitlines()
@@ -175,8 +171,7 @@ class TestCheckWithoutTheFile:
 
     def test_the_line_names_the_folder_the_file_and_what_is_there(self, tmp_path, capsys):
         """The line names the folder, which is often the wrong one."""
-        (tmp_path / 'package.xml').write_text('x')
-        (tmp_path / 'temp_publsher.py').write_text('x')
+        laid(tmp_path, {'package.xml': b'x', 'temp_publsher.py': b'x'})
 
         assert self.check(tmp_path) == command.USAGE
 
@@ -191,8 +186,7 @@ class TestCheckWithoutTheFile:
         [(0, 'expected temp_publisher.py, got no package files.'), (20, 'a07.py and 12 more.')],
     )
     def test_the_line_names_at_most_a_few_files(self, files, said, tmp_path, capsys):
-        for number in range(files):
-            (tmp_path / f'a{number:02}.py').write_text('x')
+        laid(tmp_path, {f'a{number:02}.py': b'x' for number in range(files)})
 
         assert self.check(tmp_path) == command.USAGE
         assert one_line(capsys.readouterr()).endswith(said)
@@ -241,9 +235,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
 
 def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, capsys):
     """The sample class is refused in a real class, whose gradebook would get its marks."""
-    folder = tmp_path / 'ann' / Layout.here().assignments()[0]
-    folder.mkdir(parents=True)
-    (folder / 'mine.ipynb').write_text('{}')
+    laid(tmp_path / 'ann' / Layout.here().assignments()[0], {'mine.ipynb': b'{}'})
     monkeypatch.setattr(Layout, 'submitted', tmp_path)
 
     assert command.main(['sample-class']) == command.USAGE

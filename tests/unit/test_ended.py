@@ -154,38 +154,30 @@ def test_parameter_of_another_type_is_reported_without_its_value():
     assert '1.87' not in found.text
 
 
+SPIN = 'def main():\n    rclpy.spin(node)\n\n\n'
+ONCE = 'def main():\n    rclpy.spin_once(node)\n\n\n'
+CALL = "if __name__ == '__main__':\n    main()\n"
+
+
 @pytest.mark.parametrize(
     ('code', 'cause_id'),
     [
-        (
-            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    pass\n",
-            'main_not_called',
-        ),
-        (
-            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    main\n",
-            'main_not_called',
-        ),
-        (
-            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == 'main':\n    main()\n",
-            'main_not_called',
-        ),
+        (f"{SPIN}if __name__ == '__main__':\n    pass\n", 'main_not_called'),
+        (f"{SPIN}if __name__ == '__main__':\n    main\n", 'main_not_called'),
+        (f"{SPIN}if __name__ == 'main':\n    main()\n", 'main_not_called'),
         ('def main():\n    node = Talker()\n\n\nmain()\n', 'no_spin'),
-        ('def main():\n    rclpy.spin_once(node)\n\n\nmain()\n', 'spins_once'),
-        ('def main():\n    rclpy.spin(node)\n\n\nmain()\n', 'exited_early'),
-        ('async def main():\n    rclpy.spin(node)\n\n\nasyncio.run(main())\n', 'exited_early'),
-        ('def main():\n    rclpy.spin(node)\n\n\nrun = main\nrun()\n', 'exited_early'),
-        (
-            "def main():\n    rclpy.spin_once(node)\n\n\nif __name__ == 'x':\n    pass\n"
-            "if __name__ == '__main__':\n    main()\n",
-            'spins_once',
-        ),
         ('def main():\n    # The pattern with rclpy.spin.\n    Talker()\n\n\nmain()\n', 'no_spin'),
+        (f'{ONCE}main()\n', 'spins_once'),
+        (f"{ONCE}if __name__ == 'x':\n    pass\n{CALL}", 'spins_once'),
+        (f'{SPIN}main()\n', 'exited_early'),
+        (f'async {SPIN}asyncio.run(main())\n', 'exited_early'),
+        (f'{SPIN}run = main\nrun()\n', 'exited_early'),
     ],
 )
 def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_id):
-    files = {'talker.py': code}
+    ended = run(nodes=(), exit=0, files={'talker.py': code})
 
-    assert causes.why_it_ended(run(nodes=(), exit=0, files=files)).cause_id == cause_id
+    assert causes.why_it_ended(ended).cause_id == cause_id
 
 
 @pytest.mark.parametrize(
@@ -221,9 +213,9 @@ def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, wor
 
 
 def test_entry_point_calls_main():
-    files = {'n.py': 'def main():\n    rclpy.spin(n)\n', 'setup.py': "['talker = a.n:main']"}
+    ended = run(nodes=(), exit=0, files={'n.py': SPIN, 'setup.py': "['talker = a.n:main']"})
 
-    assert causes.why_it_ended(run(nodes=(), exit=0, files=files)).cause_id == 'exited_early'
+    assert causes.why_it_ended(ended).cause_id == 'exited_early'
 
 
 @pytest.mark.parametrize(

@@ -210,6 +210,9 @@ class TestHarbour:
         assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
 
 
+SLEEPS = 'def speak(self):\n    time.sleep(2.0)\n'
+
+
 class TestTalker:
     @staticmethod
     def run_of(texts, lost=0, period_s=0.5, code=''):
@@ -258,12 +261,8 @@ class TestTalker:
             (1.0, '', 'wrong_rate'),
             (0.0, '', 'several_at_once'),
             (0.45, '', 'wrong_rate'),
-            (2.0, 'def speak(self):\n    time.sleep(2.0)\n', 'wrong_rate'),
-            (
-                2.0,
-                'self.create_timer(0.5, self.speak)\ndef speak(self):\n    time.sleep(2.0)\n',
-                'sleeps_in_callback',
-            ),
+            (2.0, SLEEPS, 'wrong_rate'),
+            (2.0, f'self.create_timer(0.5, self.speak)\n{SLEEPS}', 'sleeps_in_callback'),
         ],
     )
     def test_wrong_rate_is_explained(self, period_s, code, cause_id):
@@ -285,36 +284,20 @@ class TestCourier:
         :param lost: number of parcels that were sent earlier, without a subscription
         :param lives: the graphs that contain the courier's publisher
         """
-        end = {
-            'topic': courier.TOPIC,
-            'kind': 'publisher',
-            'node': courier.NODE,
-            'type': courier.TYPE,
-            'qos': {**DEPTH_10, 'durability': durability},
-        }
+        end = {'topic': courier.TOPIC, 'kind': 'publisher', 'node': courier.NODE}
+        end |= {'type': courier.TYPE, 'qos': {**DEPTH_10, 'durability': durability}}
+        graph = {'event': 'graph', 'nodes': [courier.NODE], 'endpoints': [end]}
+        parcel = {'event': 'message', 'topic': courier.TOPIC, 'data': {'data': courier.TEXT}}
         events = []
         for place, phase in enumerate(('first', 'second', 'third')):
-            at = {'clock_ns': place * 10**10}
-            events += [
-                {'event': 'mark', 'name': phase, **at},
-                {'event': 'joined', 'listener': phase, **at},
-            ]
-            events += [
-                {
-                    'event': 'message',
-                    'topic': courier.TOPIC,
-                    'listener': listener,
-                    'number': lost + 1,
-                    'data': {'data': courier.TEXT},
-                    **at,
-                }
+            happened = [{'event': 'mark', 'name': phase}, {'event': 'joined', 'listener': phase}]
+            happened += [
+                {**parcel, 'listener': listener, 'number': lost + 1}
                 for when, listener in heard
                 if when == phase
             ]
-        graphs = [
-            {'event': 'graph', 'when': when, 'nodes': [courier.NODE], 'endpoints': [end]}
-            for when in ('start', *lives)
-        ]
+            events += [{**one, 'clock_ns': place * 10**10} for one in happened]
+        graphs = [{**graph, 'when': when} for when in ('start', *lives)]
         ended = {'event': 'end', 'reason': 'complete' if exit is None else 'student_exited'}
         process = {'event': 'process', 'exit': exit}
         return Run({'courier.py': code}, Recording({}, (*graphs, *events, ended, process)))

@@ -5,7 +5,7 @@ from pathlib import Path
 import sqlite3
 import sys
 
-from collect_sources import configure
+from collect_sources import configure, laid
 import pytest
 
 from autograder.collect.source.times import due_dates
@@ -118,8 +118,7 @@ def test_nothing_about_a_student_stays_in_the_journals(tmp_path):
 
 @pytest.mark.nbgrader
 def test_a_new_gradebook_begins_without_journals(course):
-    (course.notebooks / '01_topics').mkdir(parents=True)
-    (course.notebooks / '01_topics' / 'topics.ipynb').touch()
+    laid(course.notebooks, {'01_topics/topics.ipynb': b''})
     found = journals(course)
 
     make_gradebook(course)
