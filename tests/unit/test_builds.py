@@ -4,6 +4,7 @@ import pytest
 
 from autograder.judging.causes.builds import (
     diagnose,
+    MISSING_AMENT_PACKAGE,
     NO_MESSAGES,
     texts_of,
     why_no_messages,
@@ -193,6 +194,11 @@ def test_libraries_named_after_the_package_have_the_right_target():
     output = PRINTED['target_name'].replace('export_temp__', 'export_temp_monitor_pkg__')
 
     assert why_no_messages(output, {}) == NO_MESSAGES
+
+
+def test_cause_of_an_unregistered_package_names_its_file():
+    """No tool reports this mistake, so no output shows it."""
+    assert MISSING_AMENT_PACKAGE.text.startswith('CMakeLists.txt: ')
 
 
 def test_unknown_failure_shows_its_first_error():
