@@ -68,9 +68,9 @@ def test_name_and_id_of_a_student_are_the_same_student(layout, column):
     """Both files accept the id that collect shows, and the name from which it is made."""
     name = 'Müller, Jörg'
     shown = {'name': name, 'id': student_id(name)}[column]
-    laid(layout.work, {'class_list.csv': f'student\n"{shown}"\n'.encode()})
-    text = f'student,assignment,hours\n"{shown}",,48\n'
-    laid(layout.work, {'extensions.csv': text.encode()})
+    hours = f'student,assignment,hours\n"{shown}",,48\n'.encode()
+    names = f'student\n"{shown}"\n'.encode()
+    laid(layout.work, {'class_list.csv': names, 'extensions.csv': hours})
 
     assert extensions(layout)[student_id(name), TALK] == timedelta(hours=48)
     for folder in (name, student_id(name)):  # an instructor may have created the folder
@@ -116,6 +116,11 @@ def test_a_wrong_list_is_refused_with_its_place(layout, text, why):
 
 
 def test_extensions_are_hours_for_one_assignment_or_for_all(layout):
+    """Without a file, the gradebook keeps its extensions; an empty file removes them."""
+    assert extensions(layout) is None
+    laid(layout.work, {'extensions.csv': b'student,assignment,hours\n'})
+    assert extensions(layout) == {}
+
     text = 'student,assignment,hours\nann,,24\nann,talk,"1,5"\nzoe,04_listen,0\n'
     laid(layout.work, {'extensions.csv': text.encode()})
     found = extensions(layout)
@@ -123,14 +128,6 @@ def test_extensions_are_hours_for_one_assignment_or_for_all(layout):
     assert found['ann', TALK] == timedelta(hours=1.5)
     assert found['ann', LISTEN] == timedelta(hours=24)
     assert ('zoe', TALK) not in found
-
-
-def test_without_the_file_the_gradebook_decides(layout):
-    """Without a file, the gradebook keeps its extensions; an empty file removes them."""
-    assert extensions(layout) is None
-
-    laid(layout.work, {'extensions.csv': b'student,assignment,hours\n'})
-    assert extensions(layout) == {}
 
 
 @pytest.mark.parametrize(

@@ -69,11 +69,9 @@ class TestFolders:
     def test_a_zip_with_a_folder_around_everything_is_a_class(self, gather):
         around = {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER}
         flat = {'hw/cy.ipynb': GOOD, 'hw/dan.ipynb': GOOD}
-        rows = gather(around, packed) + gather(flat, packed)
 
-        assert [(row.student, row.done) for row in rows] == [
-            (name, TAKEN) for name in ('ann', 'bob', 'cy', 'dan')
-        ]
+        assert done(gather(around, packed)) == [('ann', TALK, TAKEN), ('bob', LISTEN, TAKEN)]
+        assert done(gather(flat, packed)) == [('cy', TALK, TAKEN), ('dan', TALK, TAKEN)]
 
     @pytest.mark.parametrize(
         'files',
@@ -83,10 +81,7 @@ class TestFolders:
         ],
     )
     def test_one_students_folder_is_no_class(self, files, gather):
-        assert done(gather(files, packed)) == [
-            ('ann', TALK, TAKEN),
-            ('ann', LISTEN, TAKEN),
-        ]
+        assert done(gather(files, packed)) == [('ann', TALK, TAKEN), ('ann', LISTEN, TAKEN)]
 
     def test_folders_of_assignments_are_no_students(self, gather):
         rows = gather({f'{TALK}/talk.ipynb': GOOD, f'{LISTEN}/listen.ipynb': OTHER})
@@ -112,14 +107,11 @@ class TestIdsOfFolders:
     @pytest.mark.parametrize('others', [(), ('talk-bob',), ('zoe',), ('talk-bob', 'ros2-cy')])
     def test_a_repository_loses_an_assignment_on_every_day(self, prefix, others, gather):
         names = (f'{prefix}ann', *others)
-        files = {f'{name}/.git/HEAD': b'ref' for name in names}
-        files |= {f'{name}/work/talk.ipynb': GOOD for name in names}
-        files |= {f'{name}/src/x.py': b'' for name in names}
+        work = {'.git/HEAD': b'ref', 'work/talk.ipynb': GOOD, 'src/x.py': b''}
+        files = {f'{name}/{place}': data for name in names for place, data in work.items()}
 
         for how in (packed, laid):
-            rows = gather(files, how)
-
-            found = {row.place: row.student for row in rows}
+            found = {row.place: row.student for row in gather(files, how)}
             assert found[f'{prefix}ann'] == 'ann'
             assert found.get('ros2-cy', 'ros2-cy') == 'ros2-cy'
 
@@ -138,11 +130,9 @@ class TestIdsOfFolders:
             'listen-ann/.git/HEAD': b'',
             'listen-ann/listen.ipynb': OTHER,
         }
-        rows = gather(files)
-        assert [(row.assignment, row.done) for row in rows] == [(TALK, TAKEN), (LISTEN, TAKEN)]
+        assert done(gather(files)) == [('ann', TALK, TAKEN), ('ann', LISTEN, TAKEN)]
 
-        both = {**files, 'listen-ann/talk.ipynb': GOOD}
-        rows = gather(both)
+        rows = gather({**files, 'listen-ann/talk.ipynb': GOOD})
         assert [row.done for row in rows if row.assignment == TALK] == [LEFT, LEFT]
 
     def test_a_prefix_is_for_folders(self, gather):

@@ -104,17 +104,15 @@ def test_merge_different_versions_get_markers():
 def test_pins_of_report_uses_one_spelling():
     named = (('Jinja2', '3.1.6'), ('jupyter_client', '8.10.0'))
     left_out = (('lark-parser', '0.12.0'), ('rfc3987-syntax', '1.1.0'))
-    report = {
-        'install': [
-            {
-                'metadata': {'name': name, 'version': version},
-                'download_info': {'archive_info': {'hashes': {'sha256': f'of {name}'}}},
-            }
-            for name, version in (*named, *left_out)
-        ]
-    }
+    installed = [
+        {
+            'metadata': {'name': name, 'version': version},
+            'download_info': {'archive_info': {'hashes': {'sha256': f'of {name}'}}},
+        }
+        for name, version in (*named, *left_out)
+    ]
 
-    pins, digests = lock.pins_of_report(report)
+    pins, digests = lock.pins_of_report({'install': installed})
     assert pins == {'jinja2': '3.1.6', 'jupyter-client': '8.10.0'}
     assert digests == {
         'jinja2==3.1.6': 'of Jinja2',
@@ -136,8 +134,7 @@ def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
 def test_oldest_of_each_takes_the_oldest_patch_release():
     """Newer patch releases can install what the oldest one resolves."""
     this = interpreters.probe(sys.executable, os.environ)
-    found = [
-        replace(this, release=release) for release in ('3.11.7', '3.11.10', '3.11.2', '3.12.1')
-    ]
+    releases = '3.11.7', '3.11.10', '3.11.2', '3.12.1'
+    found = [replace(this, release=release) for release in releases]
 
     assert [item.release for item in lock.oldest_of_each(found)] == ['3.11.2', '3.12.1']
