@@ -1,4 +1,8 @@
-"""Sources of submissions in each platform's form, and the resulting files in ``submitted/``."""
+"""
+Sources of submissions in each platform's form, and the resulting files in ``submitted/``.
+
+Other tests use ``laid``, which writes files, and ``configure``, which writes nbgrader's settings.
+"""
 
 from functools import partial
 from itertools import count

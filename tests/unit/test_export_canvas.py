@@ -113,9 +113,6 @@ def test_what_is_replaced_is_reported():
 
     assert done.replaced == [('bob@uni.example', '3.00', '4')]
     assert 'replaced: bob@uni.example: 3.00 -> 4' in done.text()
-
-
-def test_the_same_points_are_no_change():
     assert fill([Mark('bob@uni.example', 3.0, 6.5)]).replaced == []
 
 
