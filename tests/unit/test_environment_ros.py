@@ -23,17 +23,19 @@ def places(tmp_path):
     return places
 
 
-def test_ros_environment_round_trip_is_equal(places):
-    ros = describe.describe_wheels(places, '/usr')
+@pytest.fixture
+def ros(places):
+    return describe.describe_wheels(places, '/usr')
+
+
+def test_ros_environment_round_trip_is_equal(places, ros):
     install_files.write_description(places, ros)
 
     assert ros_environment(places.venv) == ros
 
 
-def test_course_without_a_package_is_described_without_one(places):
+def test_course_without_a_package_is_described_without_one(ros):
     """The trial of such a course imports only rclpy."""
-    ros = describe.describe_wheels(places, '/usr')
-
     assert ros.package == ''
     assert describe.trial_of_messages(ros.package) == 'import rclpy'
 
@@ -48,16 +50,16 @@ def test_ros_environment_missing_or_damaged_names_doctor(tmp_path, text):
     assert FILE_NAME in str(caught.value)
 
 
-def test_from_json_wrong_type_is_refused(places):
-    text = replace(describe.describe_wheels(places, '/usr'), variables=[]).to_json()
+def test_from_json_wrong_type_is_refused(ros):
+    text = replace(ros, variables=[]).to_json()
 
     with pytest.raises(ValueError, match='variables'):
         RosEnvironment.from_json(text)
 
 
-def test_describe_wheels_has_all_that_a_process_needs(places):
+def test_describe_wheels_has_all_that_a_process_needs(places, ros):
     """Logs go to stdout, message fields are checked, and no Python process re-executes itself."""
-    variables = describe.describe_wheels(places, '/usr').variables
+    variables = ros.variables
 
     assert variables['RCUTILS_LOGGING_USE_STDOUT'] == '1'
     assert variables['ROS_PYTHON_CHECK_FIELDS'] == '1'
@@ -67,10 +69,8 @@ def test_describe_wheels_has_all_that_a_process_needs(places):
     assert 'ros_rcl.libs' in variables['LD_LIBRARY_PATH']
 
 
-def test_describe_wheels_only_variables_have_the_workspace(places):
+def test_describe_wheels_only_variables_have_the_workspace(places, ros):
     """A student's package is built without access to the course's own package."""
-    ros = describe.describe_wheels(places, '/usr')
-
     assert str(places.prefix) in ros.variables['AMENT_PREFIX_PATH']
     assert str(places.prefix) in ros.variables['PYTHONPATH']
     assert str(places.prefix) not in str(ros.base_variables)
@@ -111,10 +111,8 @@ def test_join_paths_keeps_order_and_drops_repeats():
     assert describe.join_paths('b:a', ['', 'a'], 'c::b') == 'b:a:c'
 
 
-def test_kernel_spec_carries_the_environment(places):
+def test_kernel_spec_carries_the_environment(places, ros):
     """The kernel needs no variable from the shell, and appends the learner's own PATH."""
-    ros = describe.describe_wheels(places, '/usr')
-
     spec = install_files.kernel_spec(ros)
 
     assert spec['display_name'] == 'ROS 2 Jazzy'
@@ -126,14 +124,14 @@ def test_kernel_spec_carries_the_environment(places):
     assert spec['env']['PYTHONPATH'] == ros.variables['PYTHONPATH']
 
 
-def test_install_files_adapts_jupyterlab(places):
+def test_install_files_adapts_jupyterlab(places, ros):
     """
     The project is importable in the venv, and JupyterLab does not offer to show news.
 
     JupyterLab saves an edited cell before its exercise is checked, and loads the course's style
     sheet, which its own rules do not override.
     """
-    install_files.install_files(places, describe.describe_wheels(places, '/usr'))
+    install_files.install_files(places, ros)
 
     path_file = places.site_packages() / 'ros2_course.pth'
     assert path_file.read_text().splitlines() == [str(places.project), str(PROJECT)]
