@@ -2,15 +2,16 @@
 
 from pathlib import Path
 
+from collect_sources import laid
 import pytest
 
+from autograder.authoring import self_check
 from autograder.authoring.exam_mistakes import (
     differs_from_visible,
     lesson_headings,
     read_mistakes,
     unsendable,
 )
-from autograder.authoring.self_check import self_check
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
@@ -22,7 +23,6 @@ STRING = 'std_msgs/msg/String'
 
 
 def exam(**scenario) -> Exam:
-    """Return an exam with this scenario."""
     facts = {'file': 'a.py', **scenario}
     return Exam(
         'sample',
@@ -78,7 +78,6 @@ class TestWhenItIsMade:
         ],
     )
     def test_a_contradiction_is_refused_with_its_place(self, scenario, said):
-        """The error names the exam, the step, and the expected and the actual value."""
         with pytest.raises(ExamInvalid) as refused:
             exam(**scenario)
 
@@ -127,7 +126,6 @@ class TestWithRos:
         assert 'environment/messages.txt' in line
 
     def test_values_that_their_fields_cannot_hold_are_named(self):
-        """The error names the exam, the step and the field at which the probe would fail."""
         wrong = [
             ('std_msgs/msg/Bool', {'data': 'yes'}, "'data'"),
             ('std_msgs/msg/Bool', {'data': 1}, "'data'"),
@@ -255,12 +253,8 @@ class TestWithTheLessons:
         assert len(list(read_mistakes(self.reads(), {}))) == 1
 
     def test_headings_are_those_of_the_released_lessons(self, tmp_path: Path):
-        for name, text in (
-            ('01_x', '{"cells": [{"cell_type": "markdown", "source": ["# A\\n", "## B"]}]}'),
-            ('02_y', '{}'),
-        ):
-            (tmp_path / name).mkdir()
-            (tmp_path / name / 'a.ipynb').write_text(text)
+        cells = '{"cells": [{"cell_type": "markdown", "source": ["# A\\n", "## B"]}]}'
+        laid(tmp_path, {'01_x/a.ipynb': cells.encode(), '02_y/a.ipynb': b'{}'})
 
         assert lesson_headings(tmp_path) == {'01_x': {'A', 'B'}}
 
@@ -279,19 +273,13 @@ class TestBeforeItIsUsed:
 
     def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
         """An exam with a mistake is not run, because the probe would seem to be at fault."""
-        from autograder.authoring import self_check as module
-
         wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})
+        lesson = self_check.Lesson('01_x', 'x.ipynb', {'cells': []}, (wrong,))
         monkeypatch.setattr(catalog, 'load', lambda *_, **__: wrong)
-        monkeypatch.setattr(
-            module,
-            'load_lesson',
-            lambda *_: module.Lesson('01_x', 'x.ipynb', {'cells': []}, (wrong,)),
-        )
-        (tmp_path / 'notebooks' / '01_x').mkdir(parents=True)
-        (tmp_path / 'notebooks' / '01_x' / 'x.ipynb').write_text('{}')
+        monkeypatch.setattr(self_check, 'load_lesson', lambda *_: lesson)
+        laid(tmp_path, {'notebooks/01_x/x.ipynb': b'{}'})
 
-        ((right, line),) = self_check(Layout(tmp_path), None)
+        ((right, line),) = self_check.self_check(Layout(tmp_path), None)
 
         assert not right
         assert line.startswith(
