@@ -29,8 +29,7 @@ import json
 from typing import Any
 
 from autograder.errors import ExamInvalid
-from autograder.exam.names import Names
-from autograder.exam.scenario import Scenario
+from autograder.exam.scenario import Names, Scenario
 from autograder.exam.specification import Cause, Specification
 from autograder.exam.steps import Advance, Feed
 from autograder.recording import Event, Recording

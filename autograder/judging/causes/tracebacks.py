@@ -12,7 +12,7 @@ from functools import cached_property
 import re
 
 from autograder.exam.exam import Run
-from autograder.exam.names import Names
+from autograder.exam.scenario import Names
 from autograder.judging.causes.redaction import drawn_values, PUBLIC
 from autograder.submission.code.program import without_strings
 

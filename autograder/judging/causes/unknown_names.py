@@ -11,7 +11,7 @@ import re
 import sys
 
 from autograder.exam.exam import Cause
-from autograder.exam.names import Names
+from autograder.exam.scenario import Names
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.layout import Layout
