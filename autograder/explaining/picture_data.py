@@ -18,7 +18,7 @@ from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.causes.redaction import namespace_of
 from autograder.judging.checks import own_logs
-from autograder.judging.deviation import deviation, failure_of
+from autograder.judging.judge import deviation, failure_of
 from autograder.recording import Event, LEVELS
 from autograder.results import CheckResult, Verdict
 

@@ -1,7 +1,7 @@
 """Find the event that makes a check fail, from the check or by shortening the recording."""
 
 from autograder.exam.exam import Check, Failed, Run
-from autograder.judging.deviation import deviation
+from autograder.judging.judge import deviation
 from autograder.recording import header, Recording
 
 
