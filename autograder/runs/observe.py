@@ -25,8 +25,7 @@ from autograder.runs.one_processor import keep_on, one_processor
 from autograder.runs.program import BUILDS, program_for, submission_folder
 from autograder.runs.watchdog import Watchdog
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED
-from autograder.sandboxes.forked import PROBE, start_program, STUDENT
-from autograder.sandboxes.probes import Probe, start_probe
+from autograder.sandboxes.forked import PROBE, Probe, start_probe, start_program, STUDENT
 from autograder.sandboxes.processes import oom_kills, running
 from autograder.sandboxes.sandbox import Sandbox
 

@@ -25,8 +25,7 @@ RUNS_PROGRAMS = (
     *('grading/examine.py', 'inside/**/*.py', 'probe/*.py', 'probe/probe.xml'),
     *('runs/observe.py', 'runs/program.py', 'runs/watchdog.py'),
     *('sandboxes/confinement.py', 'sandboxes/forked.py', 'sandboxes/fork_server.py'),
-    *('sandboxes/landlock.py', 'sandboxes/probes.py', 'sandboxes/processes.py'),
-    *('sandboxes/sandbox.py', 'simulated.py'),
+    *('sandboxes/landlock.py', 'sandboxes/processes.py', 'sandboxes/sandbox.py', 'simulated.py'),
 )
 """Files of the grader that can affect a recording."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
