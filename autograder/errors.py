@@ -55,11 +55,7 @@ def from_os_error(error: OSError, where: str = 'the system') -> GraderError:
 
 
 def defect(error: Exception, where: str) -> GraderError:
-    """
-    Convert an unexpected exception in the grader to a grader error with a one-line message.
-
-    :param where: what the grader was working on, such as the exam's name
-    """
+    """Convert an unexpected exception in the grader to a grader error with a one-line message."""
     if isinstance(error, OSError) and is_disk_full(error):
         return from_os_error(error, where)
     return GraderError(

@@ -59,11 +59,7 @@ class _PatchFinder:
 
 
 def skip_destroyed_events(module: Any) -> None:
-    """
-    Make event handlers skip an event that was destroyed in the meantime.
-
-    :param module: ``rclpy.event_handler``, changed in place
-    """
+    """Make the handlers in ``rclpy.event_handler`` skip an event that was destroyed meanwhile."""
     handler = module.EventHandler
     destroyed = module._rclpy.InvalidHandle
     add_to_wait_set, take_data = handler.add_to_wait_set, handler.take_data
@@ -84,11 +80,7 @@ def skip_destroyed_events(module: Any) -> None:
 
 
 def keep_order_of_nodes(module: Any) -> None:
-    """
-    Make executors serve their nodes in the order in which they were added.
-
-    :param module: ``rclpy.executors``, changed in place
-    """
+    """Make the executors in ``rclpy.executors`` serve nodes in the order of their addition."""
     executor = module.Executor
     add_node, get_nodes = executor.add_node, executor.get_nodes
     counter = itertools.count()

@@ -53,8 +53,7 @@ def join_packages(folder: Path) -> list[Path]:
     """
     Extend installed packages with the folders of the same name, which take precedence.
 
-    :param folder: the folder of the node file
-    :returns: all package folders in it
+    :returns: all package folders in the folder of the node file
     """
     packages = sorted({file.parent for file in folder.glob('*/*.py')})
     packages = [one for one in packages if one.name.isidentifier() and one.name not in NO_PACKAGE]

@@ -161,12 +161,7 @@ class _RunLoop:
         self._keep_event({'event': 'end', 'clock_ns': clock_ns, 'reason': reason})
 
     def _why_stopped(self, said: str) -> str:
-        """
-        Return the limit that ended the run, or ``probe_broken`` if the program broke the probe.
-
-        :param said: the last line of the probe's standard error
-        :raises ProbeFailed: if the probe was not ready in time, or failed by itself
-        """
+        """Return the limit that ended the run, or that the program broke the probe."""
         if self.killed and not self.ready_s:
             raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
         code, said = self.probe.returncode, said or 'no error message'

@@ -21,8 +21,6 @@ def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mo
     Return one run as a task for a worker.
 
     :param scenario: made by :meth:`autograder.exam.scenario.Scenario.to_json`
-    :param files: the student's files, text by relative path
-    :param mode: the isolation mode to use
     """
     task = {'exam': exam, 'scenario': scenario, 'files': dict(files), 'mode': mode}
     return json.dumps({'version': version(), **task}).encode()

@@ -40,11 +40,7 @@ TASKS = 1
 
 @lru_cache(maxsize=4)
 def version(python: str = sys.executable) -> Mapping[str, str]:
-    """
-    Return the versions and digests that must be equal on two machines, by name.
-
-    :param python: interpreter of the prepared environment
-    """
+    """Return the versions and digests that must be equal on two machines, by name."""
     venv = Path(python).parents[1]
     further = ros.further_messages(venv)
     return {
@@ -74,7 +70,6 @@ def environment_digest(python: str, texts: Iterable[str]) -> str:
     The digest includes a package of ``environment/messages.txt`` only if one of the texts names
     it, so adding a package keeps all other recordings valid.
 
-    :param python: interpreter of the prepared environment
     :param texts: contents of the program's files, and the scenario as JSON
     """
     further = ros.further_messages(Path(python).parents[1])

@@ -163,11 +163,7 @@ class ForkServer:
         _idle.append(self)
 
     def _answer(self) -> tuple[bytes, int]:
-        """
-        Receive one message, and return it with its sender's process id.
-
-        :raises ProbeFailed: if no message arrives within 120 s, or the server has ended
-        """
+        """Receive one message, and return it with its sender's process id."""
         space = socket.CMSG_SPACE(CREDENTIALS.size)
         try:
             said, more, _, _ = self.channel.recvmsg(ANSWER_BYTES, space)

@@ -136,11 +136,7 @@ def _attach_fork(confined: ConfinedProgram, fork: Fork) -> None:
 
 
 class Probe:
-    """
-    The probe of one run.
-
-    :param fork: the probe's process, whose descriptors :meth:`end` closes
-    """
+    """The probe of one run; :meth:`end` closes the descriptors of its fork."""
 
     def __init__(self, fork: Fork) -> None:
         self.fork, self.pid, self.stdout = fork, fork.pid, fork.stdout

@@ -132,7 +132,6 @@ def fix_for(said: str, system: Path = Path('/')) -> str:
     """
     Return the fix for an error message from bubblewrap, or from a program in the sandbox.
 
-    :param said: the error message
     :param system: root of the file system that shows the settings
     """
     if 'nknown option' in said:
