@@ -44,11 +44,7 @@ _NUMBERS = {word: level for level, word in LEVELS.items()}
 
 
 def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, Mapping[str, Any]]:
-    """
-    Return the pictures of failed checks, by the name of the check; equal pictures only once.
-
-    :param results: results of the exam's checks, in the same order
-    """
+    """Return the pictures of failed checks, by the name of the check; equal pictures only once."""
     found: dict[str, Mapping[str, Any]] = {}
     shown: set[str] = set()
     for check, result in zip(exam.checks, results):
