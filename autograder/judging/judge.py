@@ -28,9 +28,8 @@ TAIL = ('graph', 'end', 'process')
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
     """
-    Judge every check of an exam, in order.
+    Judge every check of an exam, in order; nothing is executed.
 
-    :param run: files and recording; nothing is executed
     :raises GraderError: if a check itself breaks, which is not the student's fault
     """
     results: dict[str, CheckResult] = {}
@@ -44,11 +43,7 @@ def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
 
 
 def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
-    """
-    Return whether a run could change any verdict.
-
-    :param files: the student's files, which are enough for static checks
-    """
+    """Return whether a run could change any verdict, given the student's files."""
     nothing = Run(files, Recording({}, ()), exam.facts)
     results: dict[str, CheckResult] = {}
     blocked: set[str] = set()
@@ -143,11 +138,7 @@ class Deviation:
 
 
 def deviation(check: Check, run: Run) -> Deviation | None:
-    """
-    Return the moment at which a check first observed a deviation.
-
-    Return None if the check passes or is static, or if the recording is empty.
-    """
+    """Return when a check first observed a deviation; None if it passes or is static."""
     events = run.recording.events
     failure = failure_of(check, run)
     if failure is None or check.static or not events:

@@ -57,11 +57,7 @@ class Followed:
 
 
 def followed(run: Run, ask: str, logger: str) -> list[Followed]:
-    """
-    Return every input or burst of a specification, sent or not, with the log lines after it.
-
-    :param logger: full name of the node whose log lines are judged
-    """
+    """Return every input or burst of a specification, sent or not, with the log lines after it."""
     found = rows(run, ask, own_logs(run, logger))
     return [Followed(run.asked(ask).row(place), row) for place, row in enumerate(found)]
 

@@ -52,11 +52,7 @@ HOMES = {
 
 
 def homes(names: Names) -> Mapping[str, str]:
-    """
-    Return the module of each name in the exam, the lessons or the course's messages.
-
-    :param names: names that the exam uses
-    """
+    """Return the module of each name in the exam, the lessons or the course's messages."""
     found: dict[str, str] = {}
     for module, known in (*names.homes.items(), *HOMES.items()):
         for name in known.split():
