@@ -47,11 +47,7 @@ class RosClock:
     step_s: float = 0.25
 
     def at(self, clock_ns: int) -> int:
-        """
-        Return the ROS time in the last ``/clock`` message before a moment [ns].
-
-        :param clock_ns: virtual time since the program was released [ns]
-        """
+        """Return the ROS time in the last ``/clock`` message before a virtual time [ns]."""
         step_ns = round(self.step_s * 1e9)
         return round(self.begins_s * 1e9) + clock_ns // round(step_ns / self.rate) * step_ns
 

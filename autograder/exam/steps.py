@@ -84,11 +84,7 @@ class Step:
         return {'do': type(self).__name__.lower(), **_json_of(asdict(self))}
 
     def mistakes(self, there: There) -> Iterator[str]:
-        """
-        Yield contradictions with earlier steps, and update the set of endpoints.
-
-        :param there: endpoints that exist before this step
-        """
+        """Yield contradictions with earlier steps, and update the set of endpoints."""
         yield from ()
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
@@ -261,11 +257,7 @@ class Leave(Step):
 
 @dataclass(frozen=True)
 class Watch(Step):
-    """
-    Subscribe again to a recorded topic after a :class:`Leave`.
-
-    :param topic: full topic name in :attr:`Scenario.watch`
-    """
+    """Subscribe again to a topic of :attr:`Scenario.watch` after a :class:`Leave`."""
 
     topic: str
     label = 'topic'
@@ -287,22 +279,14 @@ def unheard(topic: str, seconds: float) -> tuple[Step, ...]:
 
 @dataclass(frozen=True)
 class Mark(Step):
-    """
-    Begin a phase of the run, see :meth:`autograder.recording.Recording.phase`.
-
-    :param name: the name by which checks select the phase
-    """
+    """Begin a phase of the run, see :meth:`autograder.recording.Recording.phase`."""
 
     name: str
 
 
 @dataclass(frozen=True)
 class Look(Step):
-    """
-    Record the current graph, in addition to the graphs at the start and at the end.
-
-    :param when: label for checks: ``recording.of('graph', when=...)``
-    """
+    """Record the current graph, in addition to the graphs at the start and at the end."""
 
     when: str
 
@@ -322,11 +306,7 @@ Value = bool | int | float | str
 
 
 def set_parameters(node: str, values: Mapping[str, Value], atomically: bool = False) -> Call:
-    """
-    Return the call that sets parameters of a node.
-
-    :param atomically: whether the node is to set either all of them or none
-    """
+    """Return the call that sets parameters of a node, atomically either all of them or none."""
     wanted = []
     for name, value in values.items():
         number, word = PARAMETER_TYPES[type(value)]
@@ -341,7 +321,6 @@ def get_parameters(node: str, names: Sequence[str] = (), patience_s: float = 5.0
     Return the call that requests parameters of a node.
 
     :param names: names of the parameters; without any, the call only shows that the node answers
-    :param patience_s: timeout for the response [s]
     """
     kind = 'rcl_interfaces/srv/GetParameters'
     request = {'names': list(names)} if names else {}

@@ -112,11 +112,7 @@ def _require_reports(run: Run, node: str, period_s: int) -> None:
 
 
 def build(seconds: int) -> Exam:
-    """
-    Return the exam for a given duration.
-
-    :param seconds: duration of the phase that is judged [s]
-    """
+    """Return the exam for a given duration of the phase that is judged."""
     asked = [get_parameters(node, patience_s=3.0) for node in (LOOKOUT, KEEPER)]
     exam = Exam(
         'harbour',

@@ -52,11 +52,7 @@ class Wanted(NamedTuple):
 
 
 def limited(cut: Limit = within) -> Rule:
-    """
-    Return the rule of a program that limits each speed independently.
-
-    :param cut: limits a speed; by default, the correct function
-    """
+    """Return the rule of a program that limits each speed independently."""
     found = each(lambda one: cut(one.speed, one.most))
     return lambda inputs: [() if one is None else (one,) for one in found(inputs)]
 

@@ -57,11 +57,7 @@ WHY = Causes(__file__)
 
 
 def publishers(run: Run, when: str) -> list[Event]:
-    """
-    Return the publishers on the topic in a graph of the recording.
-
-    :param when: label of the graph, see :class:`autograder.exam.steps.Look`
-    """
+    """Return the publishers on the topic in a graph of the recording, given its label."""
     return endpoints_at(run, when, 'publisher', run.facts['topic'])
 
 

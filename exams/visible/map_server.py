@@ -111,11 +111,7 @@ def has_a_map_from_the_start(run: Run) -> None:
 
 
 def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> Cause | None:
-    """
-    Explain why the first map is missing or wrong.
-
-    :param before: received texts that are not surveys
-    """
+    """Explain why the first map is missing or wrong, given texts that are not surveys."""
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
     if found.count(FIRST) > 1:

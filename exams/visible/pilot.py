@@ -47,12 +47,7 @@ WHY = Causes(__file__, OLD_S=OLD_S)
 
 
 class PilotInput(NamedTuple):
-    """
-    One input.
-
-    :param topic: index of its topic, from 0
-    :param lasts_s: time to the next input [s]
-    """
+    """One input: the index of its topic, from 0, and the time to the next input [s]."""
 
     topic: int
     value: float

@@ -42,11 +42,7 @@ WHY = Causes(__file__, LATE_S=LATE_S, SILENCE_S=SILENCE_S, LATEST_S=SILENCE_S + 
 
 
 class Command(NamedTuple):
-    """
-    One input.
-
-    :param lasts_s: time to the next input [s]
-    """
+    """One input, and the time to the next one [s]."""
 
     speed: float
     turn: float
@@ -273,11 +269,7 @@ def keeps_its_times(run: Run) -> None:
 
 
 def build(commands: Sequence[Command]) -> Exam:
-    """
-    Return the exam for some commands.
-
-    :param commands: the last :data:`BURST` of them are sent at once
-    """
+    """Return the exam for some commands, the last :data:`BURST` of them sent at once."""
     data = [{'linear': {'x': one.speed}, 'angular': {'z': one.turn}} for one in commands]
     singles = [
         Feed(SOURCE, [sent], every_s=one.lasts_s, rest_s=0.0)

@@ -56,11 +56,7 @@ def readings(run: Run) -> list[Event]:
 
 
 def enough_readings(run: Run) -> list[Event]:
-    """
-    Return the readings if there are enough to judge *every* reading.
-
-    :raises Failed: if less than a quarter of the expected readings arrived
-    """
+    """Return the readings; fail if less than a quarter of those expected arrived."""
     found, due = readings(run), int(run.facts['seconds'])
     if len(found) < due // 4:
         raise Failed(

@@ -205,11 +205,7 @@ def _why_none(run: Run, instead: Sequence[Event] = ()) -> Cause | None:
 
 
 def _why_other_error(run: Run, groups: Sequence[Followed]) -> Cause | None:
-    """
-    Explain an ERROR line after a proper reading; return None if only its level is wrong.
-
-    :param groups: readings that should not cause an ERROR line
-    """
+    """Explain an ERROR line after a proper reading; return None if only its level is wrong."""
     found = [(group, line) for group in groups for line in group.logs if line['level'] == ERROR]
     if not found or (why := why_exception_logged(run, [found[0][1]])):
         return why if found else None
