@@ -21,7 +21,6 @@ THRESHOLD_C = 30.0
 UNITS = ('Celsius', 'Fahrenheit')
 SENSORS = ('temp_sensor_01', 'temp_sensor_02', '')
 
-
 WHY = Causes(__file__, THRESHOLD_C=THRESHOLD_C)
 
 

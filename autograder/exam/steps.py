@@ -48,7 +48,6 @@ class Qos:
 EVERYONE = Qos(durability='TRANSIENT_LOCAL')
 """The publisher profile that is compatible with every reliability and durability."""
 
-
 There = Mapping[str, set[str]]
 """
 Names of the probe's endpoints, by the kind of the matching endpoint in the program.

@@ -119,7 +119,6 @@ FIX_CONTAINER = (
     '--security-opt apparmor=unconfined. See environment.md, section "Container".'
 )
 
-
 KERNEL = (
     ('kernel/apparmor_restrict_unprivileged_userns', ('1', '2'), FIX_APPARMOR),
     ('kernel/unprivileged_userns_clone', ('0',), FIX_CLONE),

@@ -23,7 +23,6 @@ EXERCISE = 'Exercise 1: two nodes, one program'
 BOTH = 1.5
 """Log lines per second of both nodes together [1/s]."""
 
-
 WHY = Causes(__file__)
 
 

@@ -36,7 +36,6 @@ NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float6
 SERVICE, READ, DEFAULT_C = f'{NODE}/set_parameters', f'{NODE}/get_parameters', 30.0
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
 
-
 WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, DEFAULT_C=DEFAULT_C, DEFAULT_PLACE=DEFAULT_PLACE)
 
 
@@ -146,7 +145,6 @@ DECISIONS = (
     WHY.slip('takes_other_types', deciding(kinds=(int, float))),
     WHY.slip('declared_as_integer', deciding(kinds=(int,))),
 )
-
 
 WARNINGS = (
     WHY.slip('zero_is_none', warns(limit=lambda one: one.limit or DEFAULT_C)),

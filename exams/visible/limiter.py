@@ -31,7 +31,6 @@ EXERCISE = 'Exercise 1: a speed limiter'
 DOUBLE = 3  # PARAMETER_DOUBLE in rcl_interfaces/msg/ParameterType
 WHY = Causes(__file__, FILE=FILE, IN_FILE=IN_FILE)
 
-
 DECLARATIONS = """
 <depend>rclpy</depend>
 depend|exec_depend

@@ -52,7 +52,6 @@ ACTIVE = ('active', 'active again')
 UNHEARD_S = 1.2  # in the first active phase, without a subscription [s]
 EXERCISE = 'Exercise 1: a managed beacon'
 
-
 WHY = Causes(__file__)
 
 

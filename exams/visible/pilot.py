@@ -42,7 +42,6 @@ REPLACED_S = 0.03  # from a value to a new one on the same topic; few timers tic
 Heard = Sequence[Sequence[float]]
 """The values received so far on each topic, in order of arrival."""
 
-
 WHY = Causes(__file__, OLD_S=OLD_S)
 
 

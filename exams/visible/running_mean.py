@@ -174,7 +174,6 @@ SLIPS = (
     WHY.slip('sum_spoiled', dividing(lambda one: one)),
 )
 
-
 NAN_FIRST = (math.nan, 4.0, 6.0)
 FIRST_COUNTS = WHY.slip(
     'first_counts',

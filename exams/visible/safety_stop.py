@@ -37,7 +37,6 @@ QUIET_S = 0.9  # at the start, without a command, and at the end, without a driv
 SHORT_S, MIDDLE_S, LONG_S = (0.31, 0.43), 0.83, 1.66  # from one command to the next
 Pair = tuple[float, float]
 
-
 WHY = Causes(__file__, LATE_S=LATE_S, SILENCE_S=SILENCE_S, LATEST_S=SILENCE_S + LATE_S)
 
 

@@ -46,7 +46,6 @@ STEP_S = 0.1  # step of the ROS clock [s]; ten ticks of a 0.1 s timer take exact
 BEGINS_S = 1.0 + STEP_S  # limit for the first message, after the node is seen [s of ROS time]
 EXERCISE = 'Exercise 2: the publisher node'
 
-
 WHY = Causes(__file__, COLDEST_C=COLDEST_C, HOTTEST_C=HOTTEST_C)
 
 
