@@ -67,7 +67,6 @@ class Failed(Exception):
     act: str = ''
 
     def __str__(self) -> str:
-        """Return the observation."""
         return self.observed
 
 
@@ -212,7 +211,7 @@ class Exam:
 
         def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:
             name = judge.__name__
-            title = _title(judge)
+            title = ' '.join((inspect.getdoc(judge) or '').split())
             self.add(Check(name, title, points, judge, tuple(needs), read, static, again))
             return judge
 
@@ -258,7 +257,3 @@ class Exam:
         """Return a digest of the scenario, which identifies the scenario in recordings."""
         text = json.dumps(self.scenario.to_json(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-def _title(judge: Callable[[Run], None]) -> str:
-    return ' '.join((inspect.getdoc(judge) or '').split())

@@ -98,7 +98,6 @@ class Slip(Cause):
         sometimes: bool = False,
         **more: Any,
     ) -> None:
-        """Create a slip from its rules, its sentences and other fields of a cause."""
         super().__init__(cause_id, text, try_this, **more)
         object.__setattr__(self, 'rules', rules)
         object.__setattr__(self, 'sometimes', sometimes)

@@ -153,7 +153,7 @@ def check_lines(check: CheckResult) -> list[str]:
 # -- an exam, a submission ------------------------------------------------------------------
 
 
-def remarks(result: ExamResult, problems: Iterable[Problem] = ()) -> list[str]:
+def remarks(result: ExamResult, problems: Iterable[Problem]) -> list[str]:
     """Return the notes about a result that do not belong to a check, one sentence each."""
     found = [f'Note: {problem.line()}' for problem in problems]
     if result.note:

@@ -48,7 +48,6 @@ class Watchdog:
         limits: Limits,
         builds: bool,
     ) -> None:
-        """Start with all counts at zero."""
         self.student, self.others = student, others
         self.limits = limits
         self.builds = builds

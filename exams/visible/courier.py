@@ -49,7 +49,6 @@ def _lives(run: Run, when: str) -> bool:
 
 
 def _why_gone(run: Run) -> Cause | None:
-    """Explain why a node ended."""
     recording = run.recording
     if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
         return why_silent(run)

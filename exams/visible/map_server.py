@@ -165,7 +165,6 @@ def publishes_each_survey(run: Run) -> None:
 
 
 def _all_new(run: Run) -> list[str]:
-    """Return all new maps as one list."""
     return [text for row in new_maps(run) for text in row or ()]
 
 
