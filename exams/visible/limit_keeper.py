@@ -14,8 +14,7 @@ import operator
 from typing import NamedTuple
 
 from autograder.exam.exam import Exam, Run, Scenario
-from autograder.exam.ranges import Accepts, in_force_slips, range_slips
-from autograder.exam.slips import Compare, warning_slips
+from autograder.exam.slips import Accepts, Compare, in_force_slips, range_slips, warning_slips
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import BURST, feeds, get_parameters, set_parameters, Step
 from autograder.exam.words import Causes

@@ -12,8 +12,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
-from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
-from autograder.exam.slips import changing, leaving_out
+from autograder.exam.slips import (
+    changing,
+    in_force_slips,
+    leaving_out,
+    Limit,
+    limiting_slips,
+    within,
+)
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import feeds, get_parameters, set_parameters
 from autograder.exam.words import Causes

@@ -17,8 +17,7 @@ import math
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Advance, Exam, Feed, Run, Scenario
-from autograder.exam.ranges import within
-from autograder.exam.slips import Change, changing
+from autograder.exam.slips import Change, changing, within
 from autograder.exam.specification import Rule, Specification
 from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages

@@ -14,8 +14,7 @@ import math
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Exam, Run, Scenario
-from autograder.exam.ranges import Limit, limiting_slips, within
-from autograder.exam.slips import Change, changing, SKIPS_EQUAL
+from autograder.exam.slips import Change, changing, Limit, limiting_slips, SKIPS_EQUAL, within
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.exam.steps import Advance, BURST, Feed, Leave
 from autograder.exam.words import Causes
