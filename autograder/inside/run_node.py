@@ -24,8 +24,7 @@ import sys
 import types
 
 import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
-from lazy_imports import use_lazy_imports  # type: ignore[import-not-found]
-from rclpy_patches import patch_rclpy  # type: ignore[import-not-found]
+from rclpy_patches import patch_rclpy, use_lazy_imports  # type: ignore[import-not-found]
 
 INSIDE = Path('/grader/inside')
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')
