@@ -56,11 +56,7 @@ class Recording:
         return (self, self.again) if self.again else (self,)
 
     def of(self, kind: str, **where: Any) -> list[Event]:
-        """
-        Return the events of one kind whose fields have the given values.
-
-        :param kind: an event name, see ``docs/recording.schema.json``
-        """
+        """Return the events of one kind (docs/recording.schema.json) with these field values."""
         found = self._by_kind.get(kind, [])
         for name, value in where.items():
             found = [event for event in found if event.get(name) == value]

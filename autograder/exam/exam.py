@@ -95,11 +95,7 @@ class Run:
         return found
 
     def during(self, phase: str) -> Run:
-        """
-        Return one phase of the run, with the graphs of all phases.
-
-        Checks need these graphs to recognise the log lines of the student's nodes.
-        """
+        """Return one phase of the run, with the graphs of all phases to recognise nodes' logs."""
         part, graphs = self.recording.phase(phase), self.recording.of('graph')
         return replace(self, recording=Recording(part.header, (*graphs, *part.events)))
 
@@ -146,10 +142,8 @@ class Exam:
     A scenario and its checks.
 
     :param name: unique in the course; the grade cell is ``check('<name>')``
-    :param title: short description
     :param assignment: folder of the lesson
     :param part: position of the exam in the lesson, from 1
-    :param scenario: what the probe does
     :param cells: grade ids of the answer cells to judge, by default one with the exam's name
     :param requires: files that the exam needs, by default the file that the scenario runs
     :param read: section of the lesson that explains the exercise
@@ -172,11 +166,7 @@ class Exam:
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
-        """
-        Validate the scenario and fill in default values.
-
-        :raises ExamInvalid: if the scenario contains a mistake
-        """
+        """Fill in default values; a mistake in the scenario raises :class:`ExamInvalid`."""
         for mistake in self.scenario.mistakes():
             raise ExamInvalid(f'exam {self.name}, {mistake}.', 'Steps are described in steps.py.')
         file = self.scenario.file

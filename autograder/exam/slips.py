@@ -193,11 +193,7 @@ Accepts = Callable[[float], bool]
 def range_slips(
     rule: Callable[[Accepts], Rule], lowest: float, highest: float
 ) -> tuple[Slip, ...]:
-    """
-    Return the slips of a range check; both ends of the range are valid.
-
-    :param rule: builds the rule of a program with the given range check
-    """
+    """Return the slips of a range check; both ends of the range are valid."""
 
     def slip(name: str, *forms: Accepts) -> Slip:
         return WHY.slip(name, *map(rule, forms), lowest=lowest, highest=highest)
@@ -254,7 +250,6 @@ def limiting_slips(rule: Callable[[Limit], Rule], value: str, most: str) -> tupl
     """
     Return the slips of a program that limits a number on both sides of 0.
 
-    :param rule: builds the rule of a program that limits numbers with the given function
     :param value: the number in the learner's code
     :param most: the limit in the learner's code
     """

@@ -137,12 +137,7 @@ class Feed(Step):
 
 
 def feeds(topic: str, messages: Sequence[Mapping[str, Any]], burst: int, **how: Any) -> list[Feed]:
-    """
-    Return the steps that send some messages one by one and the last ones as a burst.
-
-    :param burst: number of messages in the burst, 0 for none
-    :param how: other fields of :class:`Feed`
-    """
+    """Return the steps that send messages one by one and the last ``burst`` ones at once."""
     singles = len(messages) - burst
     last = [Feed(topic, messages[singles:], burst=True, **how)] if burst else []
     return [Feed(topic, messages[:singles], **how), *last]
@@ -268,11 +263,7 @@ class Watch(Step):
 
 
 def unheard(topic: str, seconds: float) -> tuple[Step, ...]:
-    """
-    Return the steps in which time passes without a subscription on a recorded topic.
-
-    See :func:`autograder.judging.rhythm.with_unheard` for the messages of this time.
-    """
+    """Return the steps in which time passes without a subscription on a recorded topic."""
     return (Leave(topic), Advance(seconds - SETTLE_S), Watch(topic))
 
 
@@ -316,22 +307,14 @@ def set_parameters(node: str, values: Mapping[str, Value], atomically: bool = Fa
 
 
 def get_parameters(node: str, names: Sequence[str] = (), patience_s: float = 5.0) -> Call:
-    """
-    Return the call that requests parameters of a node.
-
-    :param names: names of the parameters; without any, the call only shows that the node answers
-    """
+    """Return the call that requests parameters; without any, it shows that the node answers."""
     kind = 'rcl_interfaces/srv/GetParameters'
     request = {'names': list(names)} if names else {}
     return Call(node, 'get_parameters', kind, request, patience_s)
 
 
 def transition(node: str, name: str) -> Call:
-    """
-    Return the call that requests a transition from a lifecycle node.
-
-    :param name: ``configure``, ``activate``, ``deactivate`` or ``cleanup``
-    """
+    """Return the call that requests a transition, a key of :data:`TRANSITIONS`."""
     wanted = {'transition': {'id': TRANSITIONS[name]}}
     return Call(node, 'change_state', 'lifecycle_msgs/srv/ChangeState', wanted)
 

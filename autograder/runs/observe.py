@@ -130,11 +130,7 @@ class _RunLoop:
     killed_before: int = field(default_factory=lambda: oom_kills())
 
     def run(self) -> list[dict[str, Any]]:
-        """
-        Run until the probe has finished or a limit is exceeded, and return all events.
-
-        :raises ProbeFailed: if the probe failed, or something outside ended the sandbox
-        """
+        """Run until the probe has finished or a limit is exceeded, and return all events."""
         try:
             self._loop()
             self._record_end()

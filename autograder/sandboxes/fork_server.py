@@ -75,11 +75,7 @@ class ForkServer:
     """
 
     def __init__(self, sandbox: Sandbox, loaded: Loaded) -> None:
-        """
-        Start the process, and wait until it has imported rclpy.
-
-        :raises SandboxUnavailable: if the process does not start
-        """
+        """Start the process, and wait until it has imported rclpy."""
         self.sandbox, self.loaded = sandbox, loaded
         self.channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
@@ -146,11 +142,7 @@ class ForkServer:
         return Fork(self, pid, gate, *outputs)
 
     def ended(self) -> int | None:
-        """
-        Wait for the exit code of the last fork and return it; None if the server has failed.
-
-        If the exit code is known, the server is ready for the next run.
-        """
+        """Wait for the exit code of the last fork, and free the server; None if it has failed."""
         try:
             code = int(self._answer()[0])
         except ProbeFailed:

@@ -296,7 +296,6 @@ def start_bwrap(
     """
     Start bubblewrap, and pass its options through a pipe.
 
-    :param fds: descriptors that bubblewrap inherits
     :param pipes: arguments of :class:`subprocess.Popen` that replace those in :data:`PIPES`
     """
     listed, writing = os.pipe()

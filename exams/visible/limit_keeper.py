@@ -122,12 +122,7 @@ def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
 def in_force(
     asked: Specification, changes: Sequence[Change], accepted: Sequence[bool | None]
 ) -> Specification:
-    """
-    Return the specification of the warnings for the limits that a node has actually accepted.
-
-    :param asked: the specification for the limits that a correct node accepts
-    :param accepted: the node's answers to the changes, in order; None without an answer
-    """
+    """Return the specification of the warnings for the limits that a node has accepted."""
     limits = [asked.inputs[0].start]
     for (name, value), taken in zip(changes, accepted):
         limits.append(float(value) if name == LIMIT and taken else limits[-1])

@@ -170,12 +170,7 @@ def cleans_up_unused(run: Run) -> None:
 
 
 def build(namespace: str = '', seconds: float = 4.0) -> Exam:
-    """
-    Return the exam.
-
-    :param namespace: namespace in which the node is started, such as ``/lab``; empty for none
-    :param seconds: duration of each active phase [s]
-    """
+    """Return the exam with active phases of some seconds, in a namespace such as ``/lab``."""
     name, topic = f'{namespace}/beacon', f'{namespace}/beacon_signal'
     # Add some hundredths of a second, so that no transition falls exactly on a tick of a timer
     # that an earlier transition started: at such a moment, either may be first.

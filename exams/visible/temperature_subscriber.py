@@ -168,12 +168,7 @@ def does_not_warn_about_nan(run: Run) -> None:
 
 
 def _require_warnings(run: Run, kind: str, shared: bool = False) -> None:
-    """
-    Fail unless each reading is followed by the expected number of warnings.
-
-    :param kind: group of readings, see :attr:`Reading.group`
-    :param shared: whether partly correct results give part of the points
-    """
+    """Fail unless each reading of a group is followed by the expected number of warnings."""
     groups, asked = sent(run), run.asked('warnings')
     kinds = [group.inputs[0].group for group in groups]
     require_warnings(
