@@ -2,17 +2,7 @@
 Define exams: a scenario for the probe, and checks that judge the recording.
 
 The steps of a scenario are in :mod:`autograder.exam.steps`.  Helpers for checks are in
-:mod:`autograder.judging.checks`.
-
-An exam module follows the lesson that it grades::
-
-    exam = Exam('talker', assignment='03_topics', scenario=Scenario(...))
-
-    @exam.check(points=2, needs=['publishes'])
-    def one_message_a_second(run: Run) -> None:
-        '''Your node publishes once per second.'''
-        if len(run.recording.messages('/chatter')) != 60:
-            raise Failed(expected='60 messages in 60 s', observed='...')
+:mod:`autograder.judging.checks`; ``docs/writing-an-exam.md`` shows an example.
 
 Learners read the docstring of a check.  A check passes by returning and fails by raising
 :class:`Failed`.  Any other exception is a fault of the grader: the submission is marked
@@ -196,25 +186,20 @@ class Exam:
         :param static: whether the check looks only at the files; if failed static checks block all
             other checks, the grader does not run the program
         :param again: whether the check judges the second start, :attr:`Scenario.again`
-        :raises ExamInvalid: as :meth:`add`
+        :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
+            above 0, a need is not an earlier check, or the check needs a program, or a second
+            start, and the scenario has none
         """
 
         def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:
             name = judge.__name__
             title = ' '.join((inspect.getdoc(judge) or '').split())
-            self.add(Check(name, title, points, judge, tuple(needs), read, static, again))
+            self._add(Check(name, title, points, judge, tuple(needs), read, static, again))
             return judge
 
         return add
 
-    def add(self, check: Check) -> None:
-        """
-        Add a check.
-
-        :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
-            above 0, a need is not an earlier check, or the check needs a program, or a second
-            start, and the scenario has none
-        """
+    def _add(self, check: Check) -> None:
         names = [other.name for other in self.checks]
         where = f'exam {self.name}, check {check.name}'
         if check.name in names:

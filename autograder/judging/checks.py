@@ -2,14 +2,8 @@
 Provide bodies for checks: each function tests one property and explains a failure.
 
 The functions are not checks themselves, because the docstring that learners read stays in the
-exam::
-
-    def starts_its_node(run: Run) -> None:
-        '''Your program starts a node called talker.'''
-        require_node(run, '/talker')
-
-Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or returns.  All names of
-nodes and topics are full names.
+exam.  Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or returns.  All
+names of nodes and topics are full names.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
