@@ -41,7 +41,6 @@ class Recording:
     The immutable recording of one run.
 
     :param header: first line of the file
-    :param events: the other lines, in order
     :param again: the recording of the second start, if the scenario has one; in the file, its
         events follow an event ``again``
     """

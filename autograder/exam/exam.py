@@ -66,7 +66,6 @@ class Run:
     The input of a check.
 
     :param files: the student's files, relative path to text
-    :param recording: everything that the probe saw
     :param facts: other data that the checks need, see :class:`Exam`
     """
 

@@ -109,7 +109,6 @@ class Feed(Step):
     Publish messages at a fixed interval or as one burst, then wait.
 
     :param topic: full topic name in :attr:`Scenario.feed`, or the name of an :class:`Offer`
-    :param messages: fields of each message
     :param optional: whether to skip this step if no subscription is connected; otherwise the run
         ends
     :param every_s: time from one message to the next [s]
@@ -148,10 +147,8 @@ class Call(Step):
     """
     Call a service of the student's node once, and record ``answer`` or ``no_answer``.
 
-    :param node: full node name
     :param service: last part of the name, such as ``set_parameters``, or a full name with a slash
     :param type: such as ``rcl_interfaces/srv/SetParameters``
-    :param request: fields of the request
     :param patience_s: timeout for the response [s]
     """
 

@@ -106,13 +106,7 @@ def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:
 
 
 class Unheard(NamedTuple):
-    """
-    A time in which a topic had no subscription.
-
-    :param before: the last message before it, None for none
-    :param after: the first message after it
-    :param left_ns: when it began
-    """
+    """A time, from ``left_ns``, without a subscription, and the messages before and after."""
 
     before: Event | None
     after: Event

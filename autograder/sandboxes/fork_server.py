@@ -56,7 +56,6 @@ class Fork:
     A process of one run.
 
     :param server: the server that forked the process and reports its exit code
-    :param pid: host process id
     :param gate: the grader's end of the process's standard input
     """
 
@@ -68,11 +67,7 @@ class Fork:
 
 
 class ForkServer:
-    """
-    A process that forks other processes, one at a time.
-
-    :param sandbox: the sandbox that confines the forks and, if boxed, the server itself
-    """
+    """A process that forks others, one at a time; its sandbox confines them and, if boxed, it."""
 
     def __init__(self, sandbox: Sandbox, loaded: Loaded) -> None:
         """Start the process, and wait until it has imported rclpy."""

@@ -29,7 +29,6 @@ class Mode:
     """
     One way to isolate a program.
 
-    :param what: a description of the mode
     :param lacks: what the mode does not protect; empty for full isolation
     :param keeps_secrets: whether hidden exams may be run, because programs cannot read them
     :param root: whether the grader must be root (then the program gets a temporary uid) or must

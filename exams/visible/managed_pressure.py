@@ -63,11 +63,7 @@ WHY = Causes(__file__)
 
 @dataclass(frozen=True)
 class Pressure:
-    """
-    One pressure that the probe sends.
-
-    :param limits: the limits of the first and the second configuration
-    """
+    """One pressure that the probe sends, with the limits of the first and second configuration."""
 
     value: float
     phase: str

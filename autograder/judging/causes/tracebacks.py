@@ -38,10 +38,8 @@ class Traceback:
 
     :param error: type and message, one line
     :param line: line in the student's file, None if the traceback names none
-    :param code: text of this line
     :param source: all Python code of the student
     :param spun: whether this line only spins, and the executor raised the exception
-    :param names: names that the exam uses
     """
 
     error: str
