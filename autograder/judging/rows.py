@@ -85,10 +85,10 @@ def without_last(run: Run, came: Sequence[Any], place: int) -> Sequence[Any]:
     return [None if one == last else answer for one, answer in enumerate(came)]
 
 
-def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
-    """Return the endpoints on a topic in a graph: ``start``, ``end`` or that of a ``Look``."""
+def publishers_at(run: Run, when: str, topic: str) -> list[Event]:
+    """Return the publishers on a topic in a graph: ``start``, ``end`` or that of a ``Look``."""
     ends = (end for graph in run.recording.of('graph', when=when) for end in graph['endpoints'])
-    return [end for end in ends if (end['kind'], end['topic']) == (kind, topic)]
+    return [end for end in ends if (end['kind'], end['topic']) == ('publisher', topic)]
 
 
 def seconds_after_join(run: Run, topic: str, listener: str) -> float:

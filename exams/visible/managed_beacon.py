@@ -38,7 +38,7 @@ from autograder.judging.checks import (
 )
 from autograder.judging.claims import node
 from autograder.judging.rhythm import require_period, seconds_between, with_unheard
-from autograder.judging.rows import endpoints_at
+from autograder.judging.rows import publishers_at
 from autograder.recording import Event
 from autograder.submission.code.source_code import Code
 
@@ -57,7 +57,7 @@ WHY = Causes(__file__)
 
 def publishers(run: Run, when: str) -> list[Event]:
     """Return the publishers on the topic in a graph of the recording, given its label."""
-    return endpoints_at(run, when, 'publisher', run.facts['topic'])
+    return publishers_at(run, when, run.facts['topic'])
 
 
 def is_managed(run: Run) -> None:
