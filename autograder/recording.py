@@ -41,7 +41,6 @@ class Recording:
     The immutable recording of one run.
 
     :param header: first line of the file
-    :param events: the other lines, in order
     :param again: the recording of the second start, if the scenario has one; in the file, its
         events follow an event ``again``
     """
@@ -56,12 +55,7 @@ class Recording:
         return (self, self.again) if self.again else (self,)
 
     def of(self, kind: str, **where: Any) -> list[Event]:
-        """
-        Return the events of one kind whose fields have the given values.
-
-        :param kind: an event name, see ``docs/recording.schema.json``
-        :param where: names and values of fields
-        """
+        """Return the events of one kind (docs/recording.schema.json) with these field values."""
         found = self._by_kind.get(kind, [])
         for name, value in where.items():
             found = [event for event in found if event.get(name) == value]
@@ -85,11 +79,7 @@ class Recording:
         return self.of('message', topic=topic, listener=listener)
 
     def phase(self, name: str) -> Recording:
-        """
-        Return the part of the run from one mark to the next; empty if the run has no such mark.
-
-        :param name: name of a :class:`autograder.exam.steps.Mark`
-        """
+        """Return the part of the run from one mark to the next; empty if there is no such mark."""
         inside, events = False, []
         for event in self.events:
             if event['event'] == 'mark':
@@ -99,11 +89,7 @@ class Recording:
         return Recording(self.header, events)
 
     def answers(self, service: str) -> list[Event]:
-        """
-        Return the outcomes of all calls to a service, in order, including missing answers.
-
-        :param service: full name, such as ``/thermometer/get_state``
-        """
+        """Return the outcomes of all calls to a service, in order, including missing answers."""
         return [
             event
             for event in self.events
@@ -111,11 +97,7 @@ class Recording:
         ]
 
     def logs(self, *, level: int | None = None) -> list[Event]:
-        """
-        Return the log lines, optionally of one level.
-
-        :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL (rcl_interfaces/msg/Log)
-        """
+        """Return the log lines, optionally of one level, such as :data:`WARN`."""
         return self.of('log') if level is None else self.of('log', level=level)
 
     @cached_property
@@ -166,7 +148,6 @@ class Recording:
         """
         Read the output of :meth:`to_bytes`.
 
-        :param where: name of the recording in messages
         :raises RecordingInvalid: if the data is not a complete recording of this version
         """
         first, _, rest = data.partition(b'\n')

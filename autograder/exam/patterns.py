@@ -63,11 +63,7 @@ def _why_gaps(right: Sequence[bool], verb: str, what: str) -> Cause | None:
 
 
 def why_burst_cut(asked: Specification, came: tuple[object, ...]) -> Cause | None:
-    """
-    Explain messages that arrive at once and are not all answered.
-
-    :param came: the answers to the burst, sorted
-    """
+    """Explain messages that arrive at once and are not all answered, from the sorted answers."""
     due = list(asked.due(asked.inputs))[-asked.burst :]
     later = due[-1][1:]  # what the node publishes without a further message, such as a stop
     for count in range(1, asked.burst):

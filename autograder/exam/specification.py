@@ -58,7 +58,6 @@ class Cause:
 
     :param cause_id: short stable name, for statistics and tests
     :param text: the reason, worded for the learner
-    :param try_this: the next thing to do
     :param about: names, strings or numbers in the faulty line, which help to find it
     :param act: what the program does in that line, see :mod:`autograder.submission.code.acts`; by
         default, as in ``judging/causes/places.txt``
@@ -98,7 +97,6 @@ class Slip(Cause):
         sometimes: bool = False,
         **more: Any,
     ) -> None:
-        """Create a slip from its rules, its sentences and other fields of a cause."""
         super().__init__(cause_id, text, try_this, **more)
         object.__setattr__(self, 'rules', rules)
         object.__setattr__(self, 'sometimes', sometimes)
@@ -116,7 +114,6 @@ class Specification:
     The inputs of one exam with the correct answers and typical wrong ones.
 
     :param inputs: in the order in which they are sent
-    :param due: returns the correct answers
     :param slips: the most likely first
     :param burst: number of inputs at the end that are sent at once.  They have one joint answer,
         because several threads may answer them in any order

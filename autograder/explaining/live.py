@@ -19,11 +19,7 @@ SECOND = 1_000_000_000
 
 
 def live_line(event: Event) -> str:
-    """
-    Return one event as a line, or an empty string for an event that is not shown.
-
-    :param event: as in :mod:`autograder.recording`
-    """
+    """Return one event as a line, or an empty string for an event that is not shown."""
     words = _WORDS.get(event['event'])
     what = words(event).replace('\n', ' ') if words else ''
     return shortened(printable(f'{clock(event)}  {what}'), WIDEST) if what else ''

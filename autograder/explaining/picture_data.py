@@ -17,8 +17,8 @@ from typing import Any
 from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.causes.redaction import namespace_of
-from autograder.judging.checks import own_logs
-from autograder.judging.deviation import deviation, failure_of
+from autograder.judging.checks import own_logs, SECOND
+from autograder.judging.judge import deviation, failure_of
 from autograder.recording import Event, LEVELS
 from autograder.results import CheckResult, Verdict
 
@@ -30,7 +30,6 @@ MOST_ARROWS = 8
 MOST_EVENTS = 20_000
 """In a recording with more events, a difference is shown only if the check itself names it."""
 LONGEST_NAME = 80
-SECOND = 1_000_000_000
 LISTENING, SENDING = 'the checks, listening', 'the checks, sending'
 
 # Matches an expectation that begins with a number of messages, lines or the like.
@@ -44,11 +43,7 @@ _NUMBERS = {word: level for level, word in LEVELS.items()}
 
 
 def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, Mapping[str, Any]]:
-    """
-    Return the pictures of failed checks, by the name of the check; equal pictures only once.
-
-    :param results: results of the exam's checks, in the same order
-    """
+    """Return the pictures of failed checks, by the name of the check; equal pictures only once."""
     found: dict[str, Mapping[str, Any]] = {}
     shown: set[str] = set()
     for check, result in zip(exam.checks, results):
@@ -284,7 +279,6 @@ def _moments(events: Iterable[Event], rate: float) -> list[float]:
 
 
 def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
-    """Return a row of a timeline, with all its times."""
     found = [round(float(time), 3) for time in sorted(times)]
     return {'label': label[:LONGEST_NAME], 'what': what, 'count': len(times), 'times': found}
 

@@ -45,12 +45,7 @@ NONE: dict[str, Any] = {}
 
 
 def claim(name: str, sentence: str, judge: Judge) -> Judge:
-    """
-    Return a function as a check with a name and a sentence.
-
-    :param name: name of the check
-    :param sentence: the sentence that learners read
-    """
+    """Return a function as a check with a name and a sentence that learners read."""
     judge.__name__, judge.__doc__ = name, sentence
     return judge
 
@@ -61,23 +56,17 @@ def node(
     """
     Return the check for a node.
 
-    :param name: full name of the node
-    :param only_named: see :func:`autograder.judging.checks.require_node`
     :param check: name of the check
     :param sentence: the sentence that learners read, by default a standard one; like ``check``,
         this is a parameter of all claims
+    :param only_named: see :func:`autograder.judging.checks.require_node`
     """
     sentence = sentence or f'Your program starts a node called {name.rpartition("/")[2]}.'
     return claim(check, sentence, lambda run: require_node(run, name, only_named))
 
 
 def hears(topic: str, kind: str, check: str = '', sentence: str = '') -> Judge:
-    """
-    Return the check for a subscription that receives messages from an ordinary publisher.
-
-    :param topic: full name of a topic on which the probe publishes
-    :param kind: type of its messages
-    """
+    """Return the check for a subscription that receives messages from an ordinary publisher."""
     base = topic.rpartition('/')[2]
     what = f'{kind.rpartition("/")[2]} messages on {base}'
     sentence = sentence or f'It subscribes to {what} and receives them.'
@@ -116,12 +105,7 @@ def passes(
     check: str = 'reads_and_writes',
     sentence: str = '',
 ) -> Judge:
-    """
-    Return the check for a node that subscribes to one topic and publishes on another.
-
-    :param source: full name and type of the topic on which the probe publishes
-    :param target: full name and type of the topic that the probe records
-    """
+    """Return the check that a node reads and writes topics, each given as (name, type)."""
     hear, say = source[0].rpartition('/')[2], target[0].rpartition('/')[2]
 
     def judge(run: Run) -> None:
@@ -142,7 +126,6 @@ def one_for_one(
     Return the check that each input causes the expected number of messages.
 
     :param ask: name of the specification; its answers are tuples with one value per message
-    :param topic: full name of a topic that the probe records
     :param places: indices of the inputs to check, by default all
     """
     sentence = sentence or 'It publishes exactly the messages that each input requires.'
@@ -189,12 +172,7 @@ def beats(
     check: str = 'keeps_its_rhythm',
     sentence: str = '',
 ) -> Judge:
-    """
-    Return the check that messages arrive once per period, on any clock, until the run ends.
-
-    :param topic: full name of a topic that the probe records
-    :param during_s: duration of the recording [s]
-    """
+    """Return the check that messages arrive once per period, on any clock, until the run ends."""
 
     def judge(run: Run) -> None:
         require_period(run, require_messages(run, topic=topic), period_s, during_s)
@@ -208,7 +186,6 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
 
     :param ask: name of the specification; its answers are counts, and each input has a ``kind``,
         its description in feedback
-    :param logger: full name of the node whose log lines are judged
     """
     sentence = sentence or 'It logs exactly the warnings that each input requires.'
 

@@ -51,17 +51,13 @@ class Followed:
         """Return the numbers in the lines at a level."""
         return [number for text in self.texts(level) for number in numbers_in(text)]
 
-    def showing(self, one: Any, level: int = INFO) -> int:
-        """Return the number of lines at a level that show an input."""
-        return sum(map(one.is_in, self.texts(level)))
+    def showing(self, one: Any) -> int:
+        """Return the number of INFO lines that show an input."""
+        return sum(map(one.is_in, self.texts(INFO)))
 
 
 def followed(run: Run, ask: str, logger: str) -> list[Followed]:
-    """
-    Return every input or burst of a specification, sent or not, with the log lines after it.
-
-    :param logger: full name of the node whose log lines are judged
-    """
+    """Return every input or burst of a specification, sent or not, with the log lines after it."""
     found = rows(run, ask, own_logs(run, logger))
     return [Followed(run.asked(ask).row(place), row) for place, row in enumerate(found)]
 

@@ -84,7 +84,6 @@ def _first_difference_ns(seconds: Sequence[float], period_s: float, waited_s: fl
     """
     Return when the first message was missing or arrived too early [ns]; None if none arrived.
 
-    :param seconds: times of the messages [s]
     :param waited_s: time until the first message if this was too long, otherwise 0 [s]
     """
     if not seconds:
@@ -107,13 +106,7 @@ def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:
 
 
 class Unheard(NamedTuple):
-    """
-    A time in which a topic had no subscription.
-
-    :param before: the last message before it, None for none
-    :param after: the first message after it
-    :param left_ns: when it began
-    """
+    """A time, from ``left_ns``, without a subscription, and the messages before and after."""
 
     before: Event | None
     after: Event
@@ -370,11 +363,7 @@ def _why_several_timers(gaps: Sequence[float], period_s: float, what: str) -> Ca
 
 
 def _why_wrong_rate(run: Run, mean_s: float, period_s: float, what: str) -> Cause:
-    """
-    Explain an even rhythm with a wrong period.
-
-    :param mean_s: the measured period [s]
-    """
+    """Explain an even rhythm with a wrong period, given the measured one."""
     words: dict[str, Any] = {'what': what, 'mean_s': mean_s, 'period_s': float(period_s)}
     ticks = Code(run.files).numbers('create_timer')
     parts = [one for one in ticks if 0 < one < mean_s and _is(0.0, math.remainder(mean_s, one))]

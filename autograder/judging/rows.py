@@ -38,7 +38,6 @@ def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
 
     Events after later inputs of the run are left out.
 
-    :param ask: name of the specification
     :param events: events of the run, each with the index of the last input before it
     :returns: None for a row whose input, or burst, was not completely sent
     """
@@ -86,15 +85,10 @@ def without_last(run: Run, came: Sequence[Any], place: int) -> Sequence[Any]:
     return [None if one == last else answer for one, answer in enumerate(came)]
 
 
-def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
-    """
-    Return the endpoints on a topic in one graph of the recording.
-
-    :param when: label of a :class:`autograder.exam.steps.Look`, ``start`` or ``end``
-    :param kind: ``'publisher'`` or ``'subscription'``
-    """
+def publishers_at(run: Run, when: str, topic: str) -> list[Event]:
+    """Return the publishers on a topic in a graph: ``start``, ``end`` or that of a ``Look``."""
     ends = (end for graph in run.recording.of('graph', when=when) for end in graph['endpoints'])
-    return [end for end in ends if (end['kind'], end['topic']) == (kind, topic)]
+    return [end for end in ends if (end['kind'], end['topic']) == ('publisher', topic)]
 
 
 def seconds_after_join(run: Run, topic: str, listener: str) -> float:
@@ -240,11 +234,7 @@ def require_values(
 
 
 def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'something else') -> str:
-    """
-    Return values as text for feedback, unless they may be inputs of a hidden exam.
-
-    :param secret: the text that replaces such values
-    """
+    """Return values as text, or ``secret`` for values that may be inputs of a hidden exam."""
     if values and run.secret:
         return secret
     texts = (f'{one:.12g}' if isinstance(one, float) else repr(one)[:40] for one in values or ())

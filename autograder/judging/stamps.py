@@ -32,7 +32,6 @@ def require_stamps(
 
     :param found: messages, each with the virtual time of the earliest valid stamp [ns]; the latest
         valid stamp is the time of the message
-    :param field: name of a field of type ``builtin_interfaces/msg/Time``
     """
     pairs = list(found)
     for message, earliest_ns in pairs:

@@ -4,8 +4,6 @@ Read the ROS graph: the nodes and endpoints other than the probe's own.
 The student's program can forge discovery data, so a name may be any string and does not identify a
 node.  The probe recognises its own endpoints by its participant id, which it reads before another
 node can take its name.
-
-From this project, this file imports only files of the probe; see ``probe.py`` for the reason.
 """
 
 import re

@@ -2,8 +2,6 @@
 Execute the steps of a scenario, which :mod:`autograder.exam.steps` defines.
 
 Each kind of step is a function that gets the probe and the step's data.
-
-From this project, this file imports only files of the probe; see ``probe.py`` for the reason.
 """
 
 from collections.abc import Callable

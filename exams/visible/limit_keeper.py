@@ -14,8 +14,7 @@ import operator
 from typing import NamedTuple
 
 from autograder.exam.exam import Exam, Run, Scenario
-from autograder.exam.ranges import Accepts, in_force_slips, range_slips
-from autograder.exam.slips import Compare, warning_slips
+from autograder.exam.slips import Accepts, Compare, in_force_slips, range_slips, warning_slips
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import BURST, feeds, get_parameters, set_parameters, Step
 from autograder.exam.words import Causes
@@ -35,7 +34,6 @@ Change = tuple[str, float | int | str]
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
 SERVICE, READ, DEFAULT_C = f'{NODE}/set_parameters', f'{NODE}/get_parameters', 30.0
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
-
 
 WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, DEFAULT_C=DEFAULT_C, DEFAULT_PLACE=DEFAULT_PLACE)
 
@@ -124,12 +122,7 @@ def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
 def in_force(
     asked: Specification, changes: Sequence[Change], accepted: Sequence[bool | None]
 ) -> Specification:
-    """
-    Return the specification of the warnings for the limits that a node has actually accepted.
-
-    :param asked: the specification for the limits that a correct node accepts
-    :param accepted: the node's answers to the changes, in order; None without an answer
-    """
+    """Return the specification of the warnings for the limits that a node has accepted."""
     limits = [asked.inputs[0].start]
     for (name, value), taken in zip(changes, accepted):
         limits.append(float(value) if name == LIMIT and taken else limits[-1])
@@ -146,7 +139,6 @@ DECISIONS = (
     WHY.slip('takes_other_types', deciding(kinds=(int, float))),
     WHY.slip('declared_as_integer', deciding(kinds=(int,))),
 )
-
 
 WARNINGS = (
     WHY.slip('zero_is_none', warns(limit=lambda one: one.limit or DEFAULT_C)),

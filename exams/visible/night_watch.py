@@ -28,7 +28,6 @@ EXERCISE = 'Exercise 2: the night watch'
 Levels = tuple[int, ...]
 """Levels of the lines of one watch; one line is expected."""
 
-
 WHY = Causes(__file__, EVERY=EVERY)
 
 

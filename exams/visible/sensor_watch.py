@@ -121,11 +121,7 @@ def logs_each_distance(run: Run) -> None:
 
 
 def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
-    """
-    Explain a distance without its own line.
-
-    :param later: whether a line shows the same number at another moment
-    """
+    """Explain a distance without its own line; ``later``: another line shows the number."""
     asked = run.asked('distances')
     came = [
         tuple(_shown_in(str(line['text']), one) for line in row or ())

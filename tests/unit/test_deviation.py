@@ -3,7 +3,7 @@
 import pytest
 
 from autograder.exam.exam import Check, Failed, Run
-from autograder.judging.deviation import deviation
+from autograder.judging.judge import deviation
 from autograder.recording import header, Recording
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from autograder.exam.exam import Run
-from autograder.exam.names import Names
+from autograder.exam.scenario import Names
 from autograder.exam.specification import each, Specification
 from autograder.judging.causes import ended as causes
 from autograder.recording import Recording

@@ -10,8 +10,7 @@ from autograder import judging
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.names import Names
-from autograder.exam.scenario import Scenario
+from autograder.exam.scenario import Names, Scenario
 from autograder.exam.steps import Call, Feed, Join, Offer, set_parameters
 from autograder.judging.checks import require_messages
 from autograder.judging.judge import judge

@@ -93,11 +93,7 @@ def close_name(wanted: str, names: Iterable[str]) -> str:
 
 
 def why_no_node(run: Run, wanted: str) -> Cause:
-    """
-    Explain why the probe did not see a node.
-
-    :param wanted: full node name, ``/name``
-    """
+    """Explain why the probe did not see a node, given its full name."""
     others = [name for name in run.recording.nodes if name != wanted]
     near = close_name(wanted, others) or (others[0] if others else '')
     if near:
@@ -106,11 +102,7 @@ def why_no_node(run: Run, wanted: str) -> Cause:
 
 
 def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
-    """
-    Explain why the probe saw no endpoint with the right topic and type.
-
-    :param kind: ``'publisher'`` or ``'subscription'``
-    """
+    """Explain why the probe saw no endpoint with the right topic and type."""
     recording = run.recording
     base, wanted = topic.rpartition('/')[2], type_name.rpartition('/')[2]
     for end in recording.endpoints(kind, topic):
