@@ -34,11 +34,10 @@ from roslab.qos_table import qos_table
 from roslab.quiz import quiz
 from roslab.recording import record, replay
 from roslab.robot import robot
-from roslab.session import nodes, start, stop, stop_all
+from roslab.session import nodes, start, stop, stop_all, wait_until
 from roslab.simulating import recorded_runs, simulate
 from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
 from roslab.timeline_picture import timeline
-from roslab.waiting import wait_until
 from roslab.worked_answers import answer
 
 __all__ = [

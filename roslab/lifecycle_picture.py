@@ -10,8 +10,7 @@ from rclpy.node import Node
 from drawing import svg
 from roslab.errors import NotHereError, RoslabError
 from roslab.ros2.service_calls import wait_for_discovery
-from roslab.session import session
-from roslab.waiting import wait_in
+from roslab.session import session, wait_in
 
 STATES = {
     'unconfigured': (10, 60),

@@ -14,8 +14,7 @@ from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
 from roslab.lookup import type_name, why_silent
 from roslab.ros2.graph import topic_types
-from roslab.session import session
-from roslab.waiting import timeout_error, wait_in
+from roslab.session import session, timeout_error, wait_in
 
 _MOST_MESSAGES = 10_000
 

@@ -15,8 +15,7 @@ from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 from roslab.errors import NotHereError, RoslabError
 from roslab.ros2.graph import QUIET_TOPICS, topic_types, topics_of
 from roslab.ros2.interface import interface_class
-from roslab.session import session
-from roslab.waiting import wait_in
+from roslab.session import session, wait_in
 
 DISCOVERY_S = 3.0
 """Maximum time to discover a topic or a node of another process [s]."""

@@ -20,8 +20,7 @@ from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
 from roslab.lookup import no_publisher, resolved
 from roslab.output import say
-from roslab.session import session
-from roslab.waiting import timeout_error, wait_in
+from roslab.session import session, timeout_error, wait_in
 
 if TYPE_CHECKING:
     from roslab.bags.bag import Bag
