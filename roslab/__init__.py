@@ -25,8 +25,7 @@ from roslab.lost_line import refuse_programs
 from roslab.magics import register
 from roslab.messages import build_messages
 from roslab.output import shell
-from roslab.own_domain import claim_domain, domain
-from roslab.own_kernel import require_variables
+from roslab.own_kernel import claim_domain, domain, require_variables
 from roslab.package_files import package
 from roslab.pages import lay_out
 from roslab.progress import progress
