@@ -74,7 +74,7 @@ def quiz(key: str) -> Any:
     """
     __tracebackhide__ = True
     question = find(key)
-    from roslab.quiz_widget import QuizWidget  # slow to import, and only some lessons need it
+    from roslab.widgets import QuizWidget  # slow to import, and only some lessons need it
 
     return QuizWidget(question)
 
