@@ -21,8 +21,7 @@ from roslab.listening import listen
 from roslab.live_picture import paint_all
 from roslab.live_plot import plot
 from roslab.logtable import logs, record_logs
-from roslab.lost_line import refuse_programs
-from roslab.magics import register
+from roslab.magics import refuse_programs, register
 from roslab.messages import build_messages
 from roslab.output import shell
 from roslab.own_kernel import claim_domain, domain, require_variables
