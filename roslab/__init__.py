@@ -27,7 +27,7 @@ from roslab.output import shell
 from roslab.own_kernel import claim_domain, domain, require_variables
 from roslab.package_files import package
 from roslab.pages import lay_out
-from roslab.progress import progress
+from roslab.progress import answer, progress
 from roslab.qos_table import qos_table
 from roslab.quiz import quiz
 from roslab.recording import record, replay
@@ -36,7 +36,6 @@ from roslab.session import nodes, start, stop, stop_all, wait_until
 from roslab.simulating import recorded_runs, simulate
 from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
 from roslab.timeline_picture import timeline
-from roslab.worked_answers import answer
 
 __all__ = [
     'NameRefusedError',

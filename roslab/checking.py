@@ -28,10 +28,9 @@ from roslab import run_command
 from roslab.error_hints import saved_file, texts_now
 from roslab.errors import RoslabError, shown_as
 from roslab.package_files import learner_package, LearnerPackage
-from roslab.progress import remember
+from roslab.progress import offer, remember
 from roslab.report import CheckReport
 from roslab.saved_files import describe, edited_since, look_up
-from roslab.worked_answers import offer
 
 _DEADLINE_S = 180.0
 _CHECKER = 'the checker itself, not your code'

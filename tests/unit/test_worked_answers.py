@@ -15,9 +15,8 @@ from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.submission.notebook import marks_of
 from roslab import checking
 from roslab.errors import NotHereError, RoslabError
-from roslab.progress import progress, remember
+from roslab.progress import answer, offer, progress, remember, TRIES
 from roslab.report import CheckReport
-from roslab.worked_answers import answer, offer, TRIES
 
 COURSE = Layout.here()
 WORDS = 'class Talker(Node): ...  # <one> of many'
