@@ -27,10 +27,9 @@ from autograder.submission.package import with_missing_file
 from roslab import run_command
 from roslab.error_hints import saved_file, texts_now
 from roslab.errors import RoslabError, shown_as
-from roslab.package_files import learner_package, LearnerPackage
+from roslab.package_files import describe, edited_since, learner_package, LearnerPackage, look_up
 from roslab.progress import offer, remember
 from roslab.report import CheckReport
-from roslab.saved_files import describe, edited_since, look_up
 
 _DEADLINE_S = 180.0
 _CHECKER = 'the checker itself, not your code'

@@ -36,8 +36,7 @@ from roslab.errors import (
     RoslabError,
 )
 from roslab.output import say
-from roslab.package_files import learner_package, LearnerPackage
-from roslab.saved_files import note_save
+from roslab.package_files import learner_package, LearnerPackage, note_save
 from roslab.tracebacks import code_name, where
 
 KINDS = ('node', 'rosmsg', 'rospkg', 'answer')
