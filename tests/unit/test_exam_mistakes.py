@@ -8,9 +8,9 @@ from autograder.authoring.exam_mistakes import (
     differs_from_visible,
     lesson_headings,
     read_mistakes,
+    self_check,
     unsendable,
 )
-from autograder.authoring.self_check import self_check
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
@@ -279,7 +279,7 @@ class TestBeforeItIsUsed:
 
     def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
         """An exam with a mistake is not run, because the probe would seem to be at fault."""
-        from autograder.authoring import self_check as module
+        from autograder.authoring import exam_mistakes as module
 
         wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})
         monkeypatch.setattr(catalog, 'load', lambda *_, **__: wrong)
