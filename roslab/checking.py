@@ -104,11 +104,7 @@ def _with_cells(result: ExamResult, missing: Sequence[str], folder: str) -> Exam
 
 
 def _addresses(assignment: str) -> dict[str, str]:
-    """
-    Return the addresses of all lessons by number, relative to the given lesson.
-
-    :raises FileNotFoundError: if the notebook of this lesson is missing
-    """
+    """Return the addresses of all lessons by number, relative to a lesson that must exist."""
     own = Layout.here().release(assignment)
     found = {path.parent.name.partition('_')[0]: path for path in lesson_files(own.parents[1])}
     addresses = {

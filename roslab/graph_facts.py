@@ -44,7 +44,6 @@ class Endpoint:
     A publisher or a subscription.
 
     :param node: full name of its node
-    :param type: such as ``std_msgs/msg/String``
     :param here: whether it belongs to this kernel's participant; True without a check if no other
         notebook is in the graph
     """
@@ -85,11 +84,7 @@ class Topic:
 
 
 class Pair(NamedTuple):
-    """
-    A publisher and a subscription on the same topic.
-
-    :param reason: why they do not match, empty if they do
-    """
+    """A publisher and a subscription on a topic, and the reason why they do not match, or ''."""
 
     publisher: str
     topic: str

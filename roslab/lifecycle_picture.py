@@ -46,7 +46,6 @@ class LifecyclePicture:
     """
     A state machine at one moment, shown as a picture in a notebook and as text by ``str()``.
 
-    :param name: full name of the node
     :param state: label of the current state, which may be a transition state
     """
 

@@ -26,9 +26,6 @@ class Listener:
     It receives messages as long as a variable refers to it, so a cell that runs again replaces its
     listener.  ``stop_all()`` ends its subscription too but keeps the received messages; ``wait``
     and ``clear`` subscribe again.
-
-    :param topic: name of the topic
-    :param msg_type: class of the topic's messages
     """
 
     def __init__(self, topic: str, msg_type: type, qos: QoSProfile) -> None:

@@ -22,11 +22,7 @@ DISCOVERY_S = 3.0
 
 
 def resolved(node: Node, topic: str) -> str:
-    """
-    Return the full name of a topic.
-
-    :raises RoslabError: if the name is not a valid topic name
-    """
+    """Return the full name of a topic; RoslabError if it is not a valid topic name."""
     try:
         name: str = node.resolve_topic_name(topic)
     except Exception as error:  # rclpy and rcl raise unrelated exception classes for invalid names
@@ -70,11 +66,7 @@ def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
 
 
 def message_class(type_name: str) -> Any:
-    """
-    Return the class of a message type.
-
-    :raises NotHereError: if its package cannot be imported here
-    """
+    """Return the class of a message type; NotHereError if its package cannot be imported here."""
     try:
         return interface_class(type_name)
     except LookupError:

@@ -67,11 +67,7 @@ def _keep_empty_body(lines: list[str]) -> list[str]:
 
 
 def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None:
-    """
-    Save a cell and run it if it is a ``%%node`` cell.
-
-    :param namespace: the dictionary to which a node's public names are added
-    """
+    """Save a cell and, if it is a ``%%node`` cell, run it and add its names to ``namespace``."""
     __tracebackhide__ = True
     package = learner_package()
     file = _read(kind, line, cell)
@@ -230,11 +226,7 @@ class ProgramsRefused(ast.NodeTransformer):
         self._shell = shell
 
     def visit_Module(self, tree: ast.Module) -> ast.Module:
-        """
-        Return the syntax tree of a cell unchanged.
-
-        :raises NodeLineMissingError: if the cell would start a ROS program that spins forever
-        """
+        """Return a cell unchanged; NodeLineMissingError if it would start a ROS program."""
         if _goes_on(tree) and any(map(_is_start, tree.body)):
             raise NodeLineMissingError(
                 'this cell is a whole program, and the notebook would wait for its main() '

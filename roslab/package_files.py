@@ -50,11 +50,7 @@ class LearnerPackage:
         return self.workspace / 'src' / self.name
 
     def path_of(self, cell: CellFile) -> Path:
-        """
-        Return the path of a cell's file; Python files of nodes are in the inner folder.
-
-        :raises NameRefusedError: if the path is outside the package
-        """
+        """Return the path of a cell's file; NameRefusedError if it is outside the package."""
         inside = f'{self.name}/{cell.path}' if cell.kind == 'node' else cell.path
         path = self.folder / inside
         if not path.resolve().is_relative_to(self.folder.resolve()):
@@ -65,11 +61,7 @@ class LearnerPackage:
         return path
 
     def find(self, name: str) -> Path:
-        """
-        Return the path of a file of the package.
-
-        :param name: relative path, a key of :meth:`files`
-        """
+        """Return the path of a file of the package, given by a key of :meth:`files`."""
         inner = self.folder / self.name / name
         return inner if name.endswith('.py') and inner.is_file() else self.folder / name
 

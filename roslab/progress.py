@@ -90,11 +90,7 @@ def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
 
 
 def read_results(path: Path) -> Results:
-    """
-    Return the stored results, empty if there is no file.
-
-    :raises RoslabError: if the file cannot be read or has invalid contents
-    """
+    """Return the stored results, empty without a file; RoslabError if the file is not valid."""
     try:
         found = json.loads(path.read_text(encoding='utf-8'))
     except FileNotFoundError:

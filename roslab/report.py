@@ -19,7 +19,6 @@ class CheckReport:
     """
     The result of the visible checks of one exercise.
 
-    :param exam: name of the exercise
     :param result: the verdicts, None if the exercise could not be judged
     :param problem: the reason why there are no verdicts
     :param unfinished: files that still contain a stub

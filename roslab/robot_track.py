@@ -38,7 +38,6 @@ class Happened(NamedTuple):
     :param what: :data:`COMMAND`, :data:`DEADLINE`, :data:`WALL` or :data:`NOT_FINITE`
     :param speed: of the robot from then on [m/s]
     :param turn: of the robot from then on [rad/s]
-    :param pose: of the robot at that time
     """
 
     time_s: float
@@ -112,12 +111,7 @@ class Track:
 
 
 def moved(pose: Pose, speed: float, turn: float, seconds: float) -> Pose:
-    """
-    Return the pose after driving along one arc.
-
-    :param speed: [m/s]
-    :param turn: [rad/s]
-    """
+    """Return the pose after driving along one arc, with a speed [m/s] and a turn [rad/s]."""
     angle = turn * seconds
     # The chord of the arc; sin(a)/a is 1 for a straight line.
     half = angle / 2

@@ -98,11 +98,7 @@ class Session:
         return node is self._helper and background is not None and background.alive
 
     def forget(self, node: Node, subscription: Subscription) -> None:
-        """
-        Destroy a subscription soon, between two callbacks; safe in finalizers.
-
-        :param node: the node that owns the subscription; it may already be destroyed
-        """
+        """Destroy a subscription soon, between two callbacks; safe in finalizers."""
         background, destroy = self._background, node.destroy_subscription
         if background is not None and self.owns(node):
             background.ask(lambda: destroy(subscription))

@@ -54,11 +54,7 @@ class QuizWidget(anywidget.AnyWidget):
 
 
 def as_html(question: dict[str, Any]) -> str:
-    """
-    Return a question as HTML in which each option opens its explanation.
-
-    :param question: the ``question`` of the widget, a dictionary with ``text`` and ``options``
-    """
+    """Return a question as HTML in which each option opens its explanation."""
     options = ''.join(
         f'<details><summary>{letter}) {_with_code(option["text"])}</summary>'
         f'<p><strong>{"Right" if option["right"] else "Wrong"}.</strong> '

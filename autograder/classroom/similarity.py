@@ -81,8 +81,6 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     """
     Compare all submissions of an assignment, which are named by their path below ``submitted``.
 
-    :param assignment: full name of the assignment
-    :param submitted: the folder of the class
     :param at_least: minimum score of a listed pair, 0 to 1
     :raises GraderError: if there is no submission, or the folder cannot be read
     """

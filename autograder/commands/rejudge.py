@@ -116,7 +116,6 @@ def rejudge(
     """
     Judge the recordings of all students with results.
 
-    :param submitted: the folder of the class
     :returns: the account, the results of all students, and those to enter in the gradebook
     """
     began = time.perf_counter()

@@ -88,8 +88,6 @@ class ExamTask:
     An exam, and the files on which it runs.
 
     :param files: content by relative path
-    :param problems: problems with the cells of a notebook
-    :param notebook: whether the files come from a notebook
     """
 
     exam: Exam
@@ -164,8 +162,6 @@ def run_tasks(found: Sequence[ExamTask], engine: Engine) -> Iterator[tuple[ExamT
     """
     Run the exams in parallel, or one after another if their events are shown.
 
-    :param engine: stores the recordings
-    :returns: each exam with its result, in the given order
     :raises GraderError: if the grader itself fails, so that there is no verdict
     """
 

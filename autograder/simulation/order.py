@@ -32,7 +32,6 @@ class Order:
     """
     The input of a simulation: what to run, for how long, and what to send.
 
-    :param file: node file
     :param seconds: how long to run, in virtual time from the start of the program [s]
     :param inputs: messages to send; messages with the same time are sent as a burst
     :param late: time at which an additional subscription joins [s], by full topic name

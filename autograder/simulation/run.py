@@ -73,8 +73,6 @@ def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
     """
     Return the scenario that sends the inputs at their times and watches all known topics.
 
-    :param before: the scenario of the previous run
-    :param seen: the recording of the previous run, which shows the program's topics
     :raises UsageError: if the program does not have a topic that the order names
     """
     watch = {**before.watch, **_types(seen, 'publisher')}
@@ -99,11 +97,7 @@ def _moments(order: Order, seen: Recording) -> list[tuple[int, Feed | Join]]:
 
 
 def _timed(now_ns: int, moments: Sequence[tuple[int, Feed | Join]], end_ns: int) -> Iterator[Step]:
-    """
-    Yield the steps with the waits between them.
-
-    :raises UsageError: if a time is before ``now_ns``, or while a subscription is joining
-    """
+    """Yield the steps with the waits between them; UsageError if a time is too early."""
     for at_ns, step in moments:
         if at_ns < now_ns:
             raise UsageError(

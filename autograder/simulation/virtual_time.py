@@ -61,7 +61,6 @@ def files_of(program: str | os.PathLike[str]) -> tuple[str, dict[str, str]]:
     The program can import the modules next to its file by name, and as modules of a package with
     the name of the folder.
 
-    :param program: a Python file, or an entry point such as ``my_package.my_node:main``
     :raises UsageError: if the file or module does not exist
     """
     module, colon, function = str(program).partition(':')

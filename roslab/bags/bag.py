@@ -16,10 +16,8 @@ class BagTopic:
     """
     A recorded topic.
 
-    :param type: such as ``std_msgs/msg/String``
     :param profiles: quality of service of its publishers, see :mod:`roslab.bags.qos`
     :param hash: hash of the type, '' if unknown
-    :param count: number of messages
     """
 
     name: str

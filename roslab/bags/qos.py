@@ -73,12 +73,7 @@ def profile_to_offer(stored: list[dict[str, Any]]) -> QoSProfile:
 
 
 def read_profiles(text: str) -> list[dict[str, Any]]:
-    """
-    Return stored profiles.
-
-    :param text: YAML from a file, '' for none
-    :raises ValueError: if the text is not a YAML list
-    """
+    """Return the profiles in YAML text, which may be empty; ValueError if it is not a list."""
     try:
         stored = yaml.safe_load(text) or []
     except yaml.YAMLError as error:

@@ -38,11 +38,7 @@ class BagMessage(NamedTuple):
 
 
 def open_bag(path: Path) -> Bag:
-    """
-    Return the summary of a bag.
-
-    :raises BagError: if there is no bag, or the bag is damaged or does not contain ROS 2 messages
-    """
+    """Return the summary of a bag; BagError if it is missing, damaged or not of ROS 2."""
     files = _files_in(path) if path.is_dir() else (path,)
     topics: dict[str, BagTopic] = {}
     counts: Counter[str] = Counter()
@@ -66,11 +62,7 @@ def open_bag(path: Path) -> Bag:
 
 
 def messages_of(bag: Bag) -> Iterator[BagMessage]:
-    """
-    Yield the messages in the order in which they were received.
-
-    :raises BagError: if part of a file is damaged
-    """
+    """Yield the messages in the order of their arrival; BagError if part of a file is damaged."""
     for file in bag.files:
         with _reading(file) as reader:
             for _, channel, message in reader.iter_messages():

@@ -55,12 +55,7 @@ class BagWriter:
         return sum(self._counts.values())
 
     def add_topic(self, name: str, type_name: str, profiles: Iterable[QoSProfile] = ()) -> None:
-        """
-        Add a topic; it may remain without messages.
-
-        :param profiles: QoS that its publishers offer
-        :raises LookupError: if the type is not installed
-        """
+        """Add a topic, which may get no messages; LookupError if its type is not installed."""
         made = BagTopic(name, type_name, plain_profiles(profiles), hash_of(type_name), 0)
         definition = definition_of(type_name).encode()
         schema = self._mcap.register_schema(type_name, 'ros2msg', definition)

@@ -25,11 +25,7 @@ _PACKAGE = option('package_name', help='Name of the ROS package')
 
 
 def prefix_of(package: str) -> Path:
-    """
-    Return the folder in which a package is installed.
-
-    :raises PackageMissingError: if the package is not installed
-    """
+    """Return the folder of an installed package; PackageMissingError if it is not installed."""
     try:
         return Path(get_package_prefix(package))
     except (PackageNotFoundError, ValueError):
@@ -37,11 +33,7 @@ def prefix_of(package: str) -> Path:
 
 
 def executables_of(package: str) -> list[Path]:
-    """
-    Return the programs of a package that ``ros2 run`` can start, sorted.
-
-    :raises PackageMissingError: if the package is not installed
-    """
+    """Return the programs of a package that ``ros2 run`` can start, sorted."""
     folder = prefix_of(package) / 'lib' / package
     return sorted(
         path for path in folder.rglob('*') if path.is_file() and os.access(path, os.X_OK)
@@ -75,11 +67,7 @@ def prefix(args: argparse.Namespace) -> None:
 
 
 def executable_of(package: str, name: str) -> Path | None:
-    """
-    Return a program of a package, None if the package has no such program.
-
-    :raises RuntimeError: if the package is not installed
-    """
+    """Return a program of a package, else None; RuntimeError if the package is not installed."""
     try:
         found = executables_of(package)
     except PackageMissingError:

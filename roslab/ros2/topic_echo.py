@@ -103,11 +103,7 @@ def _text(value: Any, kind: str, args: argparse.Namespace, shorten: Shorten) -> 
 
 
 def _selected(message: Any, path: str | None) -> tuple[Any, str]:
-    """
-    Return one field of a message and its type.
-
-    :raises RuntimeError: if the field does not exist
-    """
+    """Return one field of a message and its type; RuntimeError if the field does not exist."""
     value, kind = message, ''
     for name in path.split('.') if path else ():
         name, _, index = name.partition('[')
