@@ -98,7 +98,6 @@ class Facts:
     The graph at one moment.
 
     :param nodes: full names; a name that n nodes share is listed n times
-    :param everything: whether the picture includes hidden nodes
     """
 
     nodes: tuple[str, ...]

@@ -43,11 +43,7 @@ _PATIENCE_S = 3.0
 
 
 class LifecyclePicture:
-    """
-    A state machine at one moment, shown as a picture in a notebook and as text by ``str()``.
-
-    :param state: label of the current state, which may be a transition state
-    """
+    """A state machine at one moment, shown as a picture in a notebook and as text by ``str()``."""
 
     def __init__(self, name: str, state: str) -> None:
         self.name = name

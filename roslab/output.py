@@ -33,12 +33,7 @@ def shell() -> Any | None:
 
 
 class Cell(NamedTuple):
-    """
-    The execution of a notebook cell.
-
-    :param number: execution number, the n of ``In [n]``
-    :param request: header and metadata of the execution request
-    """
+    """The execution of a cell: the n of ``In [n]``, and the header and metadata of its request."""
 
     number: int
     request: Mapping[str, Any]

@@ -339,11 +339,7 @@ def _await_all(pairs: Sequence[_Pair], executor: SingleThreadedExecutor) -> None
 
 
 def documented(policy: str, offered: str, requested: str) -> bool | None:
-    """
-    Return whether an offer is at least as strong as a request, as the documented rule requires.
-
-    :returns: None if the rule makes no prediction
-    """
+    """Return whether an offer is as strong as a request; None if the documented rule is silent."""
     if policy in _NEVER_MATTERS:
         return True
     if any(name in _UNDECIDED for name in (offered, requested)):

@@ -17,13 +17,7 @@ NOT_FINITE = 'not a finite number: stops'
 
 
 class Pose(NamedTuple):
-    """
-    Position and heading.
-
-    :param x: ahead of the start [m]
-    :param y: to the left of the start [m]
-    :param heading: anticlockwise from the x axis [rad]
-    """
+    """Position ahead and to the left of the start [m]; heading, anticlockwise from x [rad]."""
 
     x: float
     y: float

@@ -49,12 +49,7 @@ class Row(NamedTuple):
 
 
 class Timeline:
-    """
-    Messages on a time axis, shown as a picture, or as a table where pictures are not available.
-
-    :param begin: left end of the axis [s]
-    :param end: right end of the axis [s]
-    """
+    """Messages on a time axis from ``begin`` to ``end`` [s], shown as a picture or as a table."""
 
     def __init__(self, rows: Sequence[Row], begin: float, end: float) -> None:
         self.rows = tuple(rows)

@@ -51,11 +51,7 @@ def results_of_others(
 
 
 def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
-    """
-    Return the last results of one assignment, or of all graded assignments.
-
-    :raises GraderError: if the assignment is unknown, or there are no results yet
-    """
+    """Return the last results of one or all graded assignments; GraderError if there are none."""
     wanted = layout.assignments() if name is None else (layout.assignment_named(name),)
     there = [one for one in wanted if results_file(layout, one).is_file()]
     if not there:

@@ -42,11 +42,7 @@ class Table:
 
 
 def parse_table(data: bytes) -> Table:
-    """
-    Return the cells of a CSV file; empty lines are ignored.
-
-    :raises ValueError: with the reason, if the data is not a table with rows of equal length
-    """
+    """Return the cells of a CSV file without empty lines; ValueError if it is not a table."""
     try:
         text = data.decode('utf-8')
     except UnicodeDecodeError as error:

@@ -113,11 +113,7 @@ def rejudge_command(
 def rejudge(
     layout: Layout, lesson: Lesson, last: ClassResults, submitted: Path
 ) -> tuple[Account, list[SubmissionResult], list[Graded]]:
-    """
-    Judge the recordings of all students with results.
-
-    :returns: the account, the results of all students, and those to enter in the gradebook
-    """
+    """Return the account of all students, their results, and those to enter in the gradebook."""
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
     there = {one.student: one for one in class_}

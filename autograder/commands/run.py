@@ -84,11 +84,7 @@ def _show(event: Any) -> None:
 
 @dataclass(frozen=True)
 class ExamTask:
-    """
-    An exam, and the files on which it runs.
-
-    :param files: content by relative path
-    """
+    """An exam, the files on which it runs (by path), and the problems of a notebook's cells."""
 
     exam: Exam
     files: Mapping[str, str]
@@ -159,11 +155,7 @@ def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamT
 
 
 def run_tasks(found: Sequence[ExamTask], engine: Engine) -> Iterator[tuple[ExamTask, ExamResult]]:
-    """
-    Run the exams in parallel, or one after another if their events are shown.
-
-    :raises GraderError: if the grader itself fails, so that there is no verdict
-    """
+    """Run the exams in parallel, or one after another if their events are shown."""
 
     def run(task: ExamTask) -> ExamResult:
         if engine.on_event and task.exam.scenario.program in ('build', 'package'):

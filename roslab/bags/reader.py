@@ -25,12 +25,7 @@ class BagError(RoslabError, RuntimeError):
 
 
 class BagMessage(NamedTuple):
-    """
-    A recorded message.
-
-    :param topic: full name
-    :param received_ns: when the recorder received it [ns since 1970]
-    """
+    """A recorded message, with the time of its arrival [ns since 1970]."""
 
     topic: str
     received_ns: int

@@ -30,11 +30,7 @@ def packages_with_interfaces() -> list[str]:
 
 
 def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
-    """
-    Return the interfaces of a package, such as msg/String, sorted.
-
-    :raises InterfaceError: if the package does not exist or has no interfaces
-    """
+    """Return the sorted interfaces of a package, such as msg/String; InterfaceError for none."""
     try:
         text, _ = get_resource('rosidl_interfaces', package)
     except LookupError:

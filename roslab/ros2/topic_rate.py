@@ -88,7 +88,6 @@ def _report(
     Subscribe, and print a report once a second if messages have arrived since the last report.
 
     :param heard: called with the bytes of each message
-    :param text: returns the report, '' if there are too few messages yet
     """
     arrived = 0
 
