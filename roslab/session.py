@@ -39,8 +39,6 @@ HELPER_NAME = '_roslab'
 T = TypeVar('T')
 
 _SLOW_CALLBACK_S = 1.0
-_SLICE_S = 0.05
-"""Time between two checks of a condition while no callback runs, as during discovery [s]."""
 _WRITE_IT = '\n  Replace that line with your own code, run its cell, then run this one again.'
 
 
@@ -365,7 +363,7 @@ def wait_in(condition: Callable[[], T], timeout_s: float) -> T:
             'A callback cannot wait for other callbacks: all of them run in one thread. '
             'Return from it, and do the rest in the callback that you are waiting for.'
         )
-    value: T = session().progress.wait(condition, timeout_s, _SLICE_S)
+    value: T = session().progress.wait(condition, timeout_s)
     return value
 
 

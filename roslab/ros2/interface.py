@@ -62,17 +62,16 @@ def interface_file(name: str) -> Path:
     return path
 
 
-def interface_class(name: str, kind: str = 'msg') -> Any:
+def interface_class(name: str) -> Any:
     """
     Return the Python class of an interface.
 
     :param name: name of the interface, such as std_msgs/msg/String or std_msgs/String
-    :param kind: the middle part to use if the name has only two parts
     :raises InterfaceError: if the name is malformed or the class cannot be imported
     """
     parts = name.split('/')
     if len(parts) == 2:
-        parts.insert(1, kind)
+        parts.insert(1, 'msg')
     if len(parts) != 3 or not all(parts):
         raise InterfaceError(f"'{name}' is not an interface name such as std_msgs/msg/String")
     try:
