@@ -18,14 +18,7 @@ from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 
 from drawing.connections import Edge
-from roslab.ros2.graph import (
-    full_name,
-    is_hidden,
-    node_names,
-    QUIET_TOPICS,
-    topics_of,
-    UNKNOWN,
-)
+from roslab.ros2.graph import full_name, is_hidden, node_names, QUIET_TOPICS, topics_of, UNKNOWN
 from roslab.session import HELPER_NAME
 
 NOBODY_SUBSCRIBES = 'nobody subscribes'
