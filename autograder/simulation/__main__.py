@@ -14,7 +14,7 @@ import sys
 
 from autograder.commands import OK, USAGE
 from autograder.commands.check import REFUSALS, refuse, sandbox_for
-from autograder.simulation.order import Input, Order
+from autograder.simulation.documents import Input, Order
 from autograder.simulation.run import record
 from autograder.submission.package import read_package
 

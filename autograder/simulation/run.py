@@ -16,7 +16,7 @@ from autograder.exam.steps import Advance, Feed, Join, Qos, Step
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
 from autograder.sandboxes.sandbox import Sandbox
-from autograder.simulation.order import Input, Order
+from autograder.simulation.documents import Input, Order
 
 LOOK_S = 2.0
 """Length of the first run [s]."""
