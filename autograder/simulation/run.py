@@ -36,7 +36,7 @@ def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recordin
     Run a program in a sandbox on the virtual clock.
 
     :param files: text by relative path, including the node file
-    :returns: the recording for :func:`autograder.simulation.result.read_simulation`; if the run
+    :returns: the recording for :func:`autograder.simulation.documents.read_simulation`; if the run
         exceeded a limit, the recording ends at that time
     :raises UsageError: if an input cannot be sent, or a topic is missing
     :raises GraderError: if the grader failed

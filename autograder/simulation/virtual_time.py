@@ -15,8 +15,7 @@ import pytest
 from autograder.commands.check import sandbox_for
 from autograder.errors import UsageError
 from autograder.simulated import Simulation
-from autograder.simulation.documents import order_of
-from autograder.simulation.result import read_simulation
+from autograder.simulation.documents import order_of, read_simulation
 from autograder.simulation.run import record
 
 ENTRY = 'entry_point.py'
