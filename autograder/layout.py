@@ -27,7 +27,6 @@ else:
 CHOSEN = 'COURSE_DIR'
 """The environment variable that names the folder of the course; ``--course`` sets it."""
 
-
 TABLES = ('messages', 'sections')
 
 

@@ -94,7 +94,6 @@ class BackgroundExecutor(Executor):
     """
     A daemon thread that runs callbacks one at a time, and survives their exceptions.
 
-    :param context: the initialised context of all its nodes
     :param on_failure: called in the thread with the node and its callback's exception
     :param progress: notified in the thread after each callback and request
     :param around: given a node, returns the context manager to enter for each of its callbacks

@@ -44,7 +44,6 @@ class Entry(NamedTuple):
     One error of the gallery.
 
     :param key: name of the entry and id of the cell in lesson 08 that makes the mistake
-    :param heading: heading of the entry's section in lesson 08
     :param patterns: regular expressions that match an error message or a description of a symptom
     """
 

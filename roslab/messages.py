@@ -43,10 +43,8 @@ _PRELOADED = (
 )
 """Suffixes of message libraries, sorted so that each library follows its dependencies."""
 
-
 _PARALLEL = f'-j{(os.cpu_count() or 1) + 1}'
 """Replaces colcon's default ``-jN -lN``: with -l, a busy machine builds one file at a time."""
-
 
 _MARK = re.compile(r'(?m)^\[ *(\d+)(/\d+|%)\]')
 

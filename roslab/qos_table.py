@@ -88,8 +88,6 @@ class Cell:
     """
     The outcome for one pair of endpoints.
 
-    :param offered: QoS of the publisher, as text
-    :param requested: QoS of the subscription, as text
     :param refused_for: incompatible policies that the events of both sides name
     :param check: verdict of ``qos_check_compatible``: OK, WARNING or ERROR
     :param documented: the prediction of the documented rule; None if the rule makes none

@@ -20,7 +20,6 @@ class CheckReport:
     The result of the visible checks of one exercise.
 
     :param result: the verdicts, None if the exercise could not be judged
-    :param problem: the reason why there are no verdicts
     :param unfinished: files that still contain a stub
     :param judged: one line that names the judged files and the cells that saved them
     :param edited: files whose cell was edited after the file was saved

@@ -84,7 +84,6 @@ def rejudge_command(
     """
     Judge the recordings of one assignment, or of all graded assignments, again.
 
-    :param assignment: None for all graded assignments
     :param submitted: the folder of the class; None for the default folder
     :param write: whether to write the new points to the gradebook and the reports; the reports are
         written even if the gradebook refuses some results

@@ -119,8 +119,6 @@ def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamT
     """
     Return the exams that can run on a submission, each with its files.
 
-    :param path: a script, a package folder, a zip file or a notebook
-    :param chosen: exams of one assignment
     :raises UnusableUploadError: if the submission has no file for any of these exams
     """
     if not path.exists():

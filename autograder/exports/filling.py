@@ -15,7 +15,6 @@ class Filled:
     """
     The changes to the file.
 
-    :param platform: name of the platform in messages
     :param row: the word for a row in messages
     :param kept: values of cells that are kept, each with the reason
     :param replaced: student, old value and new value of each changed cell

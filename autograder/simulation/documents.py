@@ -18,7 +18,6 @@ class Input:
     A message to send.
 
     :param at_s: when to send it [s since the program starts]
-    :param topic: full name of the topic
     :param fields: values of its fields; other fields keep their defaults
     :param type: type of the message; empty for the type of the program's subscription
     """

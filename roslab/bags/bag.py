@@ -33,8 +33,6 @@ class Bag:
     The summary of a bag.
 
     :param path: the file, or the folder that ``ros2 bag record`` has written
-    :param files: its MCAP files, oldest first
-    :param topics: sorted by name
     :param start_ns: when the first message was received [ns since 1970]
     :param end_ns: when the last message was received [ns since 1970]
     :param distro: ROS 2 release of the recorder, '' if unknown

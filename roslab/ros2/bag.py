@@ -23,7 +23,6 @@ from roslab.ros2.discovery import ros_node, wait_for, wait_for_graph
 _LOOK_S = 0.1
 """Time between two checks for new topics, as ``--polling-interval`` of the real command [s]."""
 
-
 _PATH = option('bag_path', type=Path, help='Bag to open: a folder or an .mcap file')
 _STORAGE = option('-s', '--storage', choices=['mcap'], help='storage format (only mcap)')
 _TOPICS = option('--topics', nargs='+', default=[], metavar='TOPIC', help='use only these')

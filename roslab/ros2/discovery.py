@@ -51,7 +51,6 @@ LOOK_S = 0.01
 Known = Callable[[Node], object]
 """A function that returns whether a node's graph contains the entity of a command."""
 
-
 NODE = (
     option(
         '--spin-time',

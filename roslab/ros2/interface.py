@@ -129,7 +129,6 @@ def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterato
     """
     Yield the lines of a definition; a nested definition follows its field, one tab deeper.
 
-    :param name: name of the interface, such as std_msgs/msg/Header
     :param comments: 'all' or 'none': keep or drop comments and empty lines
     :param nested: the same for nested definitions
     :raises InterfaceError: if there is no such interface
