@@ -46,7 +46,6 @@ GROUPS = {
 MODULES: dict[str, tuple[str, ...]] = {
     'daemon': (),
     'node': ('topic',),
-    'pkg': ('pkg', 'pkg_create'),
     'run': ('pkg',),
     'topic': ('topic', 'topic_echo', 'topic_pub', 'topic_rate'),
 }
