@@ -47,7 +47,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     'daemon': (),
     'node': ('topic',),
     'run': ('pkg',),
-    'topic': ('topic', 'topic_echo', 'topic_pub', 'topic_rate'),
+    'topic': ('topic', 'topic_echo', 'topic_pub'),
 }
 """Modules of the groups whose verbs are not in a single module with the group's name."""
 ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security', 'service')
