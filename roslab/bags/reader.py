@@ -12,8 +12,7 @@ from mcap.reader import SeekingReader
 from mcap.summary import Summary
 import yaml
 
-from roslab.bags.bag import Bag, BagTopic
-from roslab.bags.qos import read_profiles
+from roslab.bags.bag import Bag, BagTopic, read_profiles
 from roslab.errors import RoslabError
 
 _MAGIC = b'\x89MCAP0\r\n'

@@ -13,8 +13,7 @@ from rcl_interfaces.msg import Log
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 
-from roslab.bags.bag import Bag, BagTopic
-from roslab.bags.qos import plain_profiles
+from roslab.bags.bag import Bag, BagTopic, plain_profiles
 from roslab.cli_text import to_yaml
 from roslab.errors import RoslabError
 from roslab.ros2.interface import definition_of, hash_of
