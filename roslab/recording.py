@@ -85,8 +85,7 @@ def replay(file: str | Path, *topics: str, rate: float = 1.0) -> None:
 
 
 def _recorded(path: Path, sources: Sequence[object], seconds: float) -> Bag:
-    from roslab.bags.recorder import Recorder
-    from roslab.bags.writer import BagWriter
+    from roslab.bags.writer import BagWriter, Recorder
 
     current = session()
     node = current.helper

@@ -14,8 +14,7 @@ from rclpy.node import Node
 from roslab.bags.bag import Bag
 from roslab.bags.player import CONNECT_S, Player
 from roslab.bags.reader import open_bag
-from roslab.bags.recorder import Recorder
-from roslab.bags.writer import BagWriter
+from roslab.bags.writer import BagWriter, Recorder
 from roslab.cli_text import to_yaml
 from roslab.ros2.cli import flag, option, positive_float, verb
 from roslab.ros2.discovery import ros_node, wait_for, wait_for_graph
