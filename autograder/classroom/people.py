@@ -133,7 +133,7 @@ def read_people(layout: Layout) -> dict[str, str]:
 
 
 def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
-    """Return the id with this id or display name, '' for none; GraderError for several."""
+    """Return the student with this id or display name, or ''; GraderError if several have it."""
     if name in students:
         return name
     people = {one: named for one, named in read_people(layout).items() if one in students}

@@ -112,7 +112,7 @@ def rejudge_command(
 def rejudge(
     layout: Layout, lesson: Lesson, last: ClassResults, submitted: Path
 ) -> tuple[Account, list[SubmissionResult], list[Graded]]:
-    """Return the account of all students, their results, and those to enter in the gradebook."""
+    """Judge all recordings; return the account, all results, and those for the gradebook."""
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
     there = {one.student: one for one in class_}

@@ -67,7 +67,7 @@ def add_names(lines: dict[str, set[int]], text: str, row: int) -> None:
 def matched(
     lines: Mapping[str, set[int]], marks: Sequence[Mark], columns: str, done: Filled
 ) -> dict[int, Mark]:
-    """Return the marks by row, from the rows of each id; leave out students without one row."""
+    """Return the marks by row, from the rows by id; leave out students with no row or several."""
     found: dict[int, list[Mark]] = {}
     for mark in marks:
         rows = lines.get(mark.student, set())
