@@ -60,12 +60,7 @@ OURS = ('autograder', 'drawing', 'environment', 'roslab')
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run one command.
-
-    :param arguments: the command line without the program
-    :returns: the exit code
-    """
+    """Run one command, given without the program, and return its exit code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     chosen = argparse.Namespace(command='')
     try:

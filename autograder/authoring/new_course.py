@@ -27,7 +27,6 @@ def new_course(folder: Path) -> list[Path]:
     Create the folder of a course with ``course.toml``, nbgrader's settings and a message package.
 
     :param folder: a new or empty folder; its name becomes the name of the course
-    :returns: the files, relative to the folder
     :raises GraderError: if the folder is not empty, or its name is not valid for a ROS package
     """
     folder = folder.resolve()
@@ -60,9 +59,7 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     """
     Create a working exercise: a lesson with a node and a check cell, and both exams.
 
-    :param name: name of the exam, the node and its file
     :param lesson: folder of the lesson, such as ``01_points``
-    :returns: the files, relative to the course
     :raises GraderError: if a name is not valid, or a file already exists
     """
     if not NAME.fullmatch(name):

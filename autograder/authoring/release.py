@@ -7,13 +7,16 @@ checks the course, and packs the students' copy.
 
 import argparse
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
+import re
+from statistics import median
 import sys
 import tempfile
 
 from autograder.authoring.exam_mistakes import mistakes_of
 from autograder.authoring.lesson_frame import outlines, start_here, unknown_needs
-from autograder.authoring.portions import portions
 from autograder.authoring.student_bundle import NO_PARTS, pack
 from autograder.errors import GraderError
 from autograder.exam.catalog import for_assignment
@@ -21,7 +24,15 @@ from autograder.exam.exam import Exam
 from autograder.gradebook import converters
 from autograder.gradebook.record import points_mismatches
 from autograder.layout import Layout, lesson_files
+from autograder.submission.cells import CellSyntaxError, parse_cell
 from autograder.submission.notebook import CHECK_PREFIX, is_check, marks_of, Notebook, read_release
+
+WORDS = (25, 60)
+"""Minimum and maximum of the median number of words per text cell."""
+LINES = (1, 5)
+"""Minimum and maximum of the median number of lines per code cell, files excluded."""
+MOST_LINES = 12
+MOST_LINES_IN_A_FILE = 100
 
 # -- check ----------------------------------------------------------------------------------
 
@@ -104,6 +115,69 @@ def unfit_checks(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Itera
                     'above has that id.'
                 )
     yield from points_mismatches(notebook, where, exams)
+
+
+# -- lengths of cells -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Portions:
+    """
+    The lengths of the cells of one lesson.
+
+    Well-known notebooks that learners like have 30 to 50 words per text cell and 1 to 5 lines per
+    code cell; notebooks that learners abandon have long texts and code cells of 90 lines.
+
+    :param words: number of words of each text cell
+    :param lines: number of lines of each code cell that is not a file
+    :param file_lines: number of lines of each code cell that is a file of a package
+    """
+
+    words: tuple[int, ...]
+    lines: tuple[int, ...]
+    file_lines: tuple[int, ...]
+
+    def line(self, lesson: str) -> str:
+        """Return the figures of the lesson as one line of text."""
+        return (
+            f'{lesson:28} {len(self.words):3} text cells, median {median(self.words):4g} words;  '
+            f'{len(self.lines):3} code cells, median {median(self.lines):3g} lines, '
+            f'maximum {max(self.lines)}'
+        )
+
+    def problems(self) -> Iterator[str]:
+        """Yield one sentence for each figure outside its range."""
+        for what, values, (least, most) in (
+            ('words per text cell', self.words, WORDS),
+            ('lines per code cell', self.lines, LINES),
+        ):
+            if not least <= median(values) <= most:
+                yield f'expected a median of {least} to {most} {what}, got {median(values):g}.'
+        for what, values, limit in (
+            ('code cell', self.lines, MOST_LINES),
+            ('file', self.file_lines, MOST_LINES_IN_A_FILE),
+        ):
+            if values and max(values) > limit:
+                yield f'expected no {what} longer than {limit} lines, got one of {max(values)}.'
+
+
+def portions(notebook: Notebook) -> Portions:
+    """Measure the cells of a lesson."""
+    words: list[int] = []
+    lines: list[int] = []
+    file_lines: list[int] = []
+    for cell in notebook['cells']:
+        if cell['cell_type'] == 'markdown':
+            # Code blocks and HTML tags are not read as words.
+            shown = re.sub(r'```.*?```|<[^<>]+>', ' ', cell['source'], flags=re.DOTALL)
+            words.append(len(re.findall(r"\w[\w'.-]*", shown)))
+        elif cell['cell_type'] == 'code':
+            file = None
+            with suppress(CellSyntaxError):
+                file = parse_cell(cell['source'])
+            count = sum(1 for line in cell['source'].splitlines() if line.strip())
+            (file_lines if file else lines).append(count)
+    return Portions(tuple(words), tuple(lines), tuple(file_lines))
 
 
 # -- release --------------------------------------------------------------------------------

@@ -6,9 +6,9 @@ from pathlib import Path
 import shlex
 import sys
 
+from autograder.authoring.exam_mistakes import self_check
 from autograder.authoring.new_course import new_course, new_exam
 from autograder.authoring.sample_class import write_sample_class
-from autograder.authoring.self_check import self_check
 from autograder.commands import flag, FOR_REVIEW, OK, option, takes, TO_SUBMITTED
 from autograder.commands.grade import relative_path
 from autograder.grading.pipeline import grading_engine

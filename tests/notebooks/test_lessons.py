@@ -23,7 +23,7 @@ import nbformat
 import pytest
 import yaml
 
-from autograder.authoring.portions import portions
+from autograder.authoring.release import portions
 from autograder.exam import catalog
 from autograder.layout import lesson_files
 from autograder.submission.cells import UNSOLVED

@@ -20,8 +20,7 @@ from roslab.errors import NotHereError, RoslabError
 from roslab.executor import BackgroundExecutor, CallbackStopped
 from roslab.listening import Listener
 from roslab.logtable import logs
-from roslab.session import HELPER_NAME
-from roslab.waiting import wait_until
+from roslab.session import HELPER_NAME, wait_until
 
 pytestmark = pytest.mark.ros
 

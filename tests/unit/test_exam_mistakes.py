@@ -5,11 +5,11 @@ from pathlib import Path
 from collect_sources import laid
 import pytest
 
-from autograder.authoring import self_check
 from autograder.authoring.exam_mistakes import (
     differs_from_visible,
     lesson_headings,
     read_mistakes,
+    self_check,
     unsendable,
 )
 from autograder.errors import ExamInvalid
@@ -273,13 +273,15 @@ class TestBeforeItIsUsed:
 
     def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
         """An exam with a mistake is not run, because the probe would seem to be at fault."""
+        from autograder.authoring import exam_mistakes as module
+
         wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})
-        lesson = self_check.Lesson('01_x', 'x.ipynb', {'cells': []}, (wrong,))
+        lesson = module.Lesson('01_x', 'x.ipynb', {'cells': []}, (wrong,))
         monkeypatch.setattr(catalog, 'load', lambda *_, **__: wrong)
-        monkeypatch.setattr(self_check, 'load_lesson', lambda *_: lesson)
+        monkeypatch.setattr(module, 'load_lesson', lambda *_: lesson)
         laid(tmp_path, {'notebooks/01_x/x.ipynb': b'{}'})
 
-        ((right, line),) = self_check.self_check(Layout(tmp_path), None)
+        ((right, line),) = self_check(Layout(tmp_path), None)
 
         assert not right
         assert line.startswith(

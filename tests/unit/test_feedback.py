@@ -17,7 +17,7 @@ from autograder.explaining.feedback import (
 )
 from autograder.explaining.feedback_html import exam_html, section_id
 from autograder.results import CheckResult, ExamResult, Verdict
-from roslab.report import CheckReport
+from roslab.checking import CheckReport
 
 LONG = 'The readings of the sensor that is far away from everything are late. ' * 30
 EVIL = '<img src=x onerror=alert(1)>&"\x1b[31m'

@@ -15,7 +15,6 @@ from std_msgs.msg import Empty, Float64MultiArray, Header, String
 from environment.ros import ros_environment
 from roslab.ros2 import (
     cli,
-    daemon,  # noqa: F401 - adds its verbs to the table
     graph,
     interface,
     pkg_files,

@@ -9,7 +9,7 @@ import pytest
 
 from environment import ros_domain
 from environment.ros_domain import claim, DOMAINS
-from roslab import own_domain as kernel_domain
+from roslab import own_kernel as kernel_domain
 
 CLAIM = """
 import sys

@@ -9,9 +9,9 @@ from autograder.layout import CHOSEN
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.submission.outline import Outline, Part
 from roslab import checking, quiz
+from roslab.checking import CheckReport
 from roslab.errors import RoslabError
 from roslab.progress import as_text, next_part, progress, read_results, remember
-from roslab.report import CheckReport
 
 NONE = {'checks': {}, 'quizzes': {}, 'tries': {}}
 

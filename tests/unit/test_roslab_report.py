@@ -9,7 +9,7 @@ import pytest
 from autograder.exam import catalog
 from autograder.results import CheckResult, ExamResult, Problem, Verdict
 from roslab import checking, messages, run_command
-from roslab.report import CheckReport
+from roslab.checking import CheckReport
 from roslab.run_command import Outcome
 
 PASSED = CheckResult('name', 'The node has the right name.', Verdict.PASSED, 3, 3)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from autograder.authoring.self_check import self_check
+from autograder.authoring.exam_mistakes import self_check
 from autograder.errors import ProbeFailed
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, Verdict

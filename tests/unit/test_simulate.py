@@ -7,8 +7,7 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.steps import Advance, Feed, Join, Qos
 from autograder.recording import Recording
 from autograder.simulated import LogRecord
-from autograder.simulation.order import order_of
-from autograder.simulation.result import read_simulation
+from autograder.simulation.documents import order_of, read_simulation
 from autograder.simulation.run import planned
 from autograder.simulation.virtual_time import files_of
 

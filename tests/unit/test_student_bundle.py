@@ -166,7 +166,7 @@ class TestThisCourse:
             'collect/',
             'exports',
         ]
-        + ['collect', 'commands/grade', 'instructors', 'nbgrader_config', 'self_check', 'similar'],
+        + ['collect', 'commands/grade', 'instructors', 'nbgrader_config', 'authoring', 'similar'],
     )
     def test_it_has_nothing_of_the_instructors(self, copy, part):
         """The bundle contains no hidden exams, no solutions and no code for whole classes."""

@@ -14,10 +14,9 @@ from autograder.layout import CHOSEN, Layout, lesson_files
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.submission.notebook import marks_of
 from roslab import checking
+from roslab.checking import CheckReport
 from roslab.errors import NotHereError, RoslabError
-from roslab.progress import progress, remember
-from roslab.report import CheckReport
-from roslab.worked_answers import answer, offer, TRIES
+from roslab.progress import answer, offer, progress, remember, TRIES
 
 COURSE = Layout.here()
 WORDS = 'class Talker(Node): ...  # <one> of many'
