@@ -65,7 +65,6 @@ CONTAINER = '.dockerenv'
     ],
 )
 def test_each_refusal_has_its_repair(said, system, words, tmp_path, monkeypatch):
-    """The suggested fix depends on bubblewrap's output and on the system."""
     for name, text in system.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text, encoding='ascii')
@@ -98,7 +97,6 @@ def test_settings_that_do_not_apply_to_root_are_not_its_repair(tmp_path, monkeyp
 
 
 def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monkeypatch):
-    """The command can be pasted into a terminal."""
     monkeypatch.setattr(choose.shutil, 'which', lambda name: None)
     choose.strongest.cache_clear()
     try:
@@ -194,7 +192,6 @@ def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
     ],
 )
 def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words, monkeypatch):
-    """The message contains the kernel's own error."""
 
     def ask() -> int:
         if error:
@@ -217,7 +214,6 @@ def test_a_banner_says_what_is_not_protected():
 
 
 def test_a_weak_mode_runs_one_submission_at_a_time():
-    """A banner is printed, and runs are not parallel; full isolation permits parallel runs."""
     console = Console(file=io.StringIO(), width=200)
 
     def engine(mode):
@@ -286,7 +282,6 @@ def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
 
 
 def test_bubblewrap_covers_the_course_s_own_answer(built):
-    """In the sandbox, the modules and the folder of executables are empty."""
     workspace = Path(built.workspace)
     options = sandbox.Sandbox('bwrap-root', built)._masks(Program(['p']))
 
@@ -297,7 +292,6 @@ def test_bubblewrap_covers_the_course_s_own_answer(built):
 
 
 def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
-    """A claim or ports in the kernel's table show that a domain is in use."""
     monkeypatch.setattr(ros_domain, 'NAME', str(tmp_path))
     used = {7400 + 250 * domain + 10 for domain in range(1, 102) if domain != 42}
     monkeypatch.setattr(landlock, 'ports', lambda: used)

@@ -93,7 +93,6 @@ class TestJudge:
         ],
     )
     def test_exception_is_read_about_where_it_is_explained(self, cause_id, place):
-        """The section to read is that of the exception, or else that of the check."""
         exam = make_exam(read='Part 1')
 
         def dies(run):
@@ -120,7 +119,6 @@ class TestJudge:
         assert [one.points for one in judge(exam, Run({}, NOTHING))] == [0, 4]
 
     def test_failed_check_tells_five_things(self):
-        """The result has expected and observed values, cause, advice and section."""
         exam = make_exam(read='Part 1')
         exam.check(points=2)(fails)
 
@@ -132,7 +130,6 @@ class TestJudge:
         assert (result.try_this, result.read, result.cause_id) == ('this', 'Part 1', 'because')
 
     def test_check_whose_need_failed_is_not_run_and_names_it(self):
-        """A check that cannot be judged does not count as failed."""
         exam = make_exam()
         exam.check(points=1)(fails)
         exam.check(points=4, needs=['fails'])(passes)
@@ -153,7 +150,6 @@ class TestJudge:
         assert judge(exam, Run({}, NOTHING))[0].points == 2
 
     def test_broken_check_is_the_graders_fault(self):
-        """An unexpected exception in a check is not a verdict."""
         exam = make_exam()
         exam.check(points=1)(breaks)
 
@@ -163,7 +159,6 @@ class TestJudge:
 
 class TestWorthRunning:
     def test_run_that_waits_for_a_failed_file_check_is_not_worth_it(self):
-        """The only dynamic check needs a static one that fails."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1, needs=['fails'])(passes)
@@ -171,7 +166,6 @@ class TestWorthRunning:
         assert not worth_running(exam, {})
 
     def test_independent_check_makes_the_run_worth_it(self):
-        """One dynamic check that needs no failed check is enough for a run."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1)(passes)
@@ -192,7 +186,6 @@ class TestWorthRunning:
 
 class TestExam:
     def test_unknown_need_is_refused_with_the_earlier_names(self):
-        """The message lists the names of earlier checks."""
         exam = make_exam()
         exam.check(points=1)(passes)
 
@@ -200,7 +193,6 @@ class TestExam:
             exam.check(points=1, needs=['pases'])(fails)
 
     def test_name_used_twice_is_refused(self):
-        """Two checks with the same name could not be distinguished."""
         exam = make_exam()
         exam.check(points=1)(passes)
 
@@ -222,7 +214,6 @@ class TestExam:
             make_exam().check(points=1)(silent)
 
     def test_check_of_a_run_is_refused_where_nothing_runs(self):
-        """An exam that judges only files has only static checks and runs no program."""
         exam = make_exam(scenario=Scenario(program=''))
         exam.check(points=1, static=True)(passes)
 
@@ -233,10 +224,7 @@ class TestExam:
 
 
 class TestSecondStart:
-    """A check may judge the second start of the program."""
-
     def test_check_sees_only_its_own_start(self):
-        """Without a recording of the second start, the check sees no events."""
         exam = make_exam(scenario=Scenario(file='a.py', again=Scenario(file='a.py')), requires=())
         seen = []
 

@@ -31,7 +31,6 @@ def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
 
 
 def test_what_the_file_leaves_out_is_usual(tmp_path):
-    """A course without a package needs only one line."""
     (tmp_path / FILE).write_text("name = 'doors'")
 
     course = Layout(tmp_path)
@@ -79,7 +78,6 @@ class TestHere:
             Layout.here()
 
     def test_it_is_the_one_around_the_folder(self, tmp_path, monkeypatch):
-        """The course that contains the folder is used, or else the one with the grader."""
         inside = tmp_path / 'notebooks' / '01_doors'
         inside.mkdir(parents=True)
         monkeypatch.delenv(CHOSEN, raising=False)

@@ -37,7 +37,6 @@ class TestJoining:
         assert self.rule([PilotInput(0, 0.5, 1.0), PilotInput(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
 
     def test_stop_is_due_while_one_is_old(self):
-        """Once both inputs are fresh again, the latest value of each is due."""
         inputs = [
             PilotInput(0, 0.5, 0.5),
             PilotInput(1, 0.2, 2.5),
@@ -91,7 +90,6 @@ class TestInputsOfThePilot:
 
 
 def test_command_before_both_have_come_is_reported():
-    """A command before both inputs have arrived has the cause ``begins_early``."""
     early = {
         'event': 'message',
         'topic': '/cmd_vel',
@@ -111,7 +109,6 @@ class TestHeartbeat:
     quiet = tuple(beat(half / 2) for half in range(1, 7))
 
     def test_timer_that_waits_for_each_picture_is_reported(self):
-        """Heartbeats arrive before the first picture and after the result."""
         run = run_of(inspector.exam, *self.quiet, result(4.4), beat(4.4), beat(4.5))
 
         assert inspector.why_starved(run).cause_id == 'starved'
@@ -126,7 +123,6 @@ class TestHeartbeat:
         ids=['goes on', 'beats with the pictures', 'no result'],
     )
     def test_other_heartbeats_are_not(self, events):
-        """A cause is named only if all messages fit it."""
         assert inspector.why_starved(run_of(inspector.exam, *events)) is None
 
 

@@ -48,7 +48,6 @@ def solutions(tmp_path):
 
 
 def test_contents_name_what_a_lesson_needs(solutions):
-    """A lesson needs the previous lesson, unless its metadata names other lessons."""
     lessons = outlines(solutions)
 
     assert contents(lessons, 0).splitlines()[0] == '**In this lesson.**'
@@ -58,7 +57,6 @@ def test_contents_name_what_a_lesson_needs(solutions):
 
 
 def test_last_lesson_has_no_next_one(solutions):
-    """The last lesson leads back to the map, if the course has one."""
     lessons = outlines(solutions)
 
     assert next_lesson(lessons, 1) == '*Next lesson:* [03 Title c](../03_c/c.ipynb)'
@@ -76,7 +74,6 @@ def test_needed_lesson_that_does_not_exist_is_named(solutions):
 
 
 def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
-    """The other cells of START_HERE are copied."""
     release = tmp_path / 'release'
     release.mkdir()
     start_here(solutions, release)
@@ -91,7 +88,6 @@ def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
 
 
 def test_make_lab_opens_a_page_that_exists():
-    """If the page did not exist, JupyterLab would show an error."""
     root = Layout.here().root
     makefile = (root / 'Makefile').read_text(encoding='utf-8')
     found = re.search(r'default_url=/lab/tree/(\S+)', makefile)
@@ -102,7 +98,6 @@ def test_make_lab_opens_a_page_that_exists():
 
 @pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path):
-    """Every link leads to a heading in the lesson."""
     cells = nbformat.read(path, as_version=4).cells
     outline = read_outline(path)
     shown = cells[1].source
@@ -188,7 +183,6 @@ def test_start_here_names_the_points_that_a_person_gives():
 
 
 def test_executed_lesson_gets_the_date_and_no_outputs(solutions, monkeypatch):
-    """A lesson that fails is reported and remains unchanged."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(solutions.parent)))
 
     class Client:

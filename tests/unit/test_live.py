@@ -47,7 +47,6 @@ def event(kind, clock_ns=None, **facts):
     ],
 )
 def test_what_happened_is_one_line(happened, line):
-    """The line begins with the virtual time, or with a dash if there is none."""
     assert line in live_line(happened)
     assert '\n' not in live_line(happened)
 

@@ -69,14 +69,11 @@ def station(text):
 
 
 class TestFields:
-    """Fields are compared by type, name and order."""
-
     @pytest.mark.parametrize(
         'text',
         [RIGHT, RIGHT.replace(' ', '\t'), f'# stamp unit\nuint8 A=1\n{RIGHT}uint8 B = 2 # x\n'],
     )
     def test_correct_fields_pass_in_any_layout(self, text):
-        """Comments, spaces and constants do not count."""
         require_fields(text, WANTED)
 
     @pytest.mark.parametrize('cause', MISTAKES)
@@ -99,15 +96,11 @@ class TestFields:
         assert failed.why.text.endswith('Also fix: str unit')
 
     def test_many_lines_earn_nothing(self):
-        """A file with all possible lines earns no points."""
         assert failure(require_fields, RIGHT + 'bool b\n' * 9, WANTED).share == 0.0
 
 
 class TestDeclarations:
-    """package.xml may declare a dependency in any way that REP 149 permits."""
-
     def test_other_tags_that_say_the_same_pass(self):
-        """A build_depend and an exec_depend together equal a depend."""
         require_declarations(MANIFEST, 'words')
 
     @pytest.mark.parametrize('line', MANIFEST.splitlines()[1:-1])
@@ -118,7 +111,6 @@ class TestDeclarations:
         assert 0 < failed.share < 0.5
 
     def test_a_tag_that_says_something_else_is_named(self):
-        """A test_depend is not a dependency of the package's users."""
         text = MANIFEST.replace(
             'depend>rosidl_default_runtime</', 'test_depend>rosidl_default_runtime</test_'
         )
@@ -126,7 +118,6 @@ class TestDeclarations:
         assert '<test_depend>' in failure(require_declarations, text, 'words').why.text
 
     def test_what_is_no_xml_is_said_to_be_none(self):
-        """The failure shows the line of the mistake."""
         failed = failure(require_declarations, MANIFEST.replace('</name>', '<name>'), 'words')
 
         assert failed.why.cause_id == 'xml'
@@ -142,7 +133,6 @@ class TestStation:
 
     @pytest.mark.parametrize('one', ['1', '01', '0x1', '0b1', '  1  # late'])
     def test_numbers_are_read_as_the_generators_read_them(self, one):
-        """The value of a constant may be written in several ways."""
         station_message.names_the_states(station(STATES.replace('STALE=1', f'STALE = {one}')))
 
     @pytest.mark.parametrize('cause', DEFAULTS)
@@ -186,7 +176,6 @@ class TestBuild:
         assert cause.text.startswith('CMakeLists.txt, line 1: ')
 
     def test_a_build_that_makes_no_message_is_named(self):
-        """The package builds, but programs cannot import its message."""
         said = (
             'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
         )

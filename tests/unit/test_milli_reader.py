@@ -37,7 +37,6 @@ SENT = [{'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place 
     ids=str,
 )
 def test_each_number_has_one_reading(indexes, cause):
-    """Each reading must be published before the next number is sent."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
     read = [
@@ -111,7 +110,6 @@ def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
     ],
 )
 def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
-    """1234 thousandths are 1.234; a different result shows the mistake."""
     events = [
         {
             'event': 'message',
@@ -129,7 +127,6 @@ def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
 
 
 def test_unrecorded_large_message_counts_as_extra_answer():
-    """The message counts, although its data was not recorded."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
     large = {'event': 'message', 'topic': TARGET, 'after_input': 0, 'clock_ns': 0}

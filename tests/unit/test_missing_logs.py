@@ -28,7 +28,6 @@ def test_own_lines_on_standard_output_are_not_printed():
 
 
 def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
-    """A warning about something else does not replace the line."""
     assert why(run_of(WARNING), [WARNING]) == 'wrong_level'
     assert why(run_of(WARNING), [{**WARNING, 'text': 'silence'}]) is None
 
@@ -48,7 +47,6 @@ def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
     ],
 )
 def test_line_that_is_elsewhere_is_found_among_those_of_the_node(printed, cause_id):
-    """A node may log one thing correctly and print another."""
     assert why(run_of(WARNING, stdout=OWN + printed)) == cause_id
 
 
@@ -60,7 +58,6 @@ def test_second_line_of_a_log_text_is_not_printed():
 
 
 def test_any_printed_line_counts_where_nothing_is_logged():
-    """If nothing is logged, any printed line counts, whatever it shows."""
     assert why(run_of(stdout='too hot\n')) == 'print_instead_of_logger'
     assert why(run_of(stdout='too hot\n'), belongs=None) == 'print_instead_of_logger'
     assert why(run_of(WARNING, stdout='hot\n'), level=WARN, belongs=None) is None

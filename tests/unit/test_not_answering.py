@@ -46,11 +46,8 @@ def run(*events, reason='complete', answered=False, code=SLEEPS, facts=None, **p
 
 
 class TestThreads:
-    """An exception in a thread does not end the program."""
-
     @pytest.mark.parametrize('reason', ['complete', 'cpu_limit'])
     def test_exception_in_the_thread_that_spins_is_reported_with_its_line(self, reason):
-        """No callback is blamed for never returning."""
         found = why_silent(run(reason=reason, stderr=died(), code=LOOPS))
 
         assert found.cause_id == 'exception'
@@ -58,7 +55,6 @@ class TestThreads:
         assert found.text.endswith('to str. The exception ended the thread that spins the node.')
 
     def test_known_exception_keeps_its_own_words(self):
-        """The cause is the same as for a program that the exception ends."""
         error = "AttributeError: 'String' object has no attribute 'dat'"
 
         found = why_silent(run(stderr=died(error=error)))
@@ -77,14 +73,12 @@ class TestThreads:
         assert served is None
 
     def test_thread_that_ends_before_it_has_a_node_is_reported(self):
-        """The cause is the exception, not a loop that keeps main() from creating a node."""
         found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
 
         assert found.cause_id == 'exception'
         assert 'The exception ended a thread' in found.text
 
     def test_exception_below_code_that_is_not_the_learners_is_not_theirs(self):
-        """If the exception is not in the learner's code, the cause names no line."""
         found = why_silent(run(stderr=died(file='/opt/ros/x.py'), code='rclpy.spin(node)'))
 
         assert found.cause_id == 'blocked'
@@ -101,17 +95,13 @@ class TestThreads:
 
 
 def test_executor_without_a_node_is_reported():
-    """An executor without a node spins, so the cause is not a loop."""
     found = why_silent(run(code='executor = SingleThreadedExecutor()\nexecutor.spin()\n'))
 
     assert 'has no node' in found.text
 
 
 class TestSleep:
-    """A pause in a callback stops the node."""
-
     def test_long_pause_explains_a_node_that_does_not_answer(self):
-        """The cause names the line of the pause and mentions no loop."""
         found = why_silent(run())
 
         assert found.cause_id == 'sleeps_in_callback'

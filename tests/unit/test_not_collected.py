@@ -37,7 +37,6 @@ def kept(layout):
 
 
 def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
-    """A student whose notebook was collected is not in the list."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
     assert kept(layout) == [
@@ -48,7 +47,6 @@ def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
 
 
 def test_entry_goes_when_something_of_the_student_arrives(tmp_path, layout):
-    """The new work may be collected, or copied to the folder by hand."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
     later = {'diaz_1004_56004_talk.ipynb': GOOD, 'berg_1002_56002_talk.ipynb': GOOD}
     collect(packed(tmp_path / 'later.zip', later), layout, layout.submitted)
@@ -58,7 +56,6 @@ def test_entry_goes_when_something_of_the_student_arrives(tmp_path, layout):
 
 
 def test_later_delivery_that_cannot_be_taken_either_replaces_the_reason(tmp_path, layout):
-    """The student needs to know the latest reason."""
     first = {'diaz_1004_1_essay.pdf': b'%PDF', 'ann_1_2_talk.ipynb': GOOD}
     again = {'diaz_1004_3_listen.ipynb': OTHER, 'ann_1_2_talk.ipynb': GOOD}
     collect(packed(tmp_path / 'a.zip', first), layout, layout.submitted, TALK)
@@ -126,8 +123,6 @@ def test_damaged_file_is_one_sentence(damage, layout, tmp_path):
 
 
 class TestShown:
-    """The list is shown in the pages, and in the tables of grade and collect."""
-
     @pytest.fixture
     def missing(self, layout):
         """Return two deliveries, one of them with a name that contains markup."""
@@ -141,7 +136,6 @@ class TestShown:
         return read_not_collected(layout)
 
     def test_page_has_reasons_and_names(self, missing, layout):
-        """The names are in one place, so that they can be copied into an e-mail."""
         write_all_reports(layout, TALK, [submission('cho')])
 
         text = (layout.reports / TALK / 'class.html').read_text('utf-8')
@@ -149,7 +143,6 @@ class TestShown:
         assert 'Nothing to grade yet from: Ann &lt;b&gt;, bob</p>' in text
 
     def test_table_has_a_row_for_each(self, missing):
-        """The rows of missing students follow those with points."""
         console = Console(record=True, width=120, file=None)
         print_table(console, TALK, [submission('cho')], {}, missing)
         text = console.export_text()
@@ -161,7 +154,6 @@ class TestShown:
     def test_collect_prints_the_names_of_all_that_are_missing(
         self, missing, tmp_path, layout, monkeypatch, capsys
     ):
-        """Students of earlier collections are named too."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
         source = laid(tmp_path / 's', {'cho/talk.ipynb': GOOD})
 

@@ -45,7 +45,6 @@ def lesson(tmp_path):
 
 
 def test_outline_has_title_parts_and_minutes(lesson):
-    """Headings in code and other tables with minutes do not count."""
     outline = read_outline(lesson)
 
     assert (outline.number, outline.title, outline.minutes) == ('03', 'Topics', 15)
@@ -68,7 +67,6 @@ def test_exercises_belong_to_the_part_above_them(lesson):
 
 
 def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
-    """A notebook next to the lessons' folders is not a lesson, nor is its checkpoint copy."""
     for name in (
         'START_HERE.ipynb',
         '.ipynb_checkpoints/START_HERE-checkpoint.ipynb',
@@ -82,7 +80,6 @@ def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
 
 @pytest.mark.parametrize('text', ['', '[]', '{"cells": 1}'])
 def test_file_that_is_not_a_notebook_is_refused(lesson, text):
-    """The caller chooses what to show instead."""
     lesson.write_text(text)
 
     with pytest.raises(ValueError, match=r'Expecting value|not a notebook'):

@@ -37,10 +37,7 @@ PACKAGE = [
 
 
 class TestWhatIsTakenIn:
-    """A folder, a script and a zip give the same files with the same names."""
-
     def test_a_zip_and_its_folder_are_the_same(self, tmp_path):
-        """The name of the folder around the package does not matter."""
         folder = tmp_path / 'anything'
         for name, text in PACKAGE:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -59,13 +56,11 @@ class TestWhatIsTakenIn:
         ]
 
     def test_a_script_is_one_file(self, tmp_path):
-        """A script is one file and keeps its name."""
         (tmp_path / 'talker.py').write_text('x = 1')
 
         assert read_upload(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
 
     def test_what_tools_make_is_left_out(self, tmp_path):
-        """Builds, caches, version control files and files of macOS are left out."""
         extra = [
             ('my_pkg/build/a.py', 'x'),
             ('my_pkg/.git/config.txt', 'x'),
@@ -90,7 +85,6 @@ class TestWhatIsTakenIn:
             read_upload(tmp_path)
 
     def test_two_packages_are_one_too_many(self, tmp_path):
-        """The refusal names the packages."""
         both = [*PACKAGE, ('other/package.xml', 'x')]
 
         with pytest.raises(
@@ -99,7 +93,6 @@ class TestWhatIsTakenIn:
             read_upload(zip_of(tmp_path / 'a.zip', both))
 
     def test_anything_else_is_refused_by_name(self, tmp_path):
-        """A tar file, a picture and an empty folder are refused by name."""
         (tmp_path / 'a.tar').write_text('x')
 
         with pytest.raises(UnusableUploadError, match=r'a\.tar: expected .* got a different file'):
@@ -121,8 +114,6 @@ PIPE = (stat.S_IFIFO | 0o644) << 16
 
 
 class TestWhatAZipMayNotHold:
-    """All of these entries are refused, although no entry is ever written to disk."""
-
     @pytest.mark.parametrize(
         ('entry', 'said'),
         [
@@ -141,7 +132,6 @@ class TestWhatAZipMayNotHold:
         ],
     )
     def test_an_entry_that_is_no_regular_file_inside(self, tmp_path, entry, said):
-        """The refusal names the entry and the reason."""
         path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
 
         with pytest.raises(UnusableUploadError, match=said):
@@ -157,7 +147,6 @@ class TestWhatAZipMayNotHold:
             read_upload(path)
 
     def test_a_size_that_lies_is_not_believed(self, tmp_path):
-        """The bytes are counted, although the table of contents states one byte."""
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * 100_000)])
         data = bytearray(path.read_bytes())
         directory = data.index(b'PK\x01\x02')
@@ -168,7 +157,6 @@ class TestWhatAZipMayNotHold:
             read_upload(path)
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
-        """Many files of a permitted size are refused too."""
         monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(whole_bytes=1000))
         many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
 
@@ -176,7 +164,6 @@ class TestWhatAZipMayNotHold:
             read_upload(zip_of(tmp_path / 'a.zip', many))
 
     def test_so_is_the_number_of_files(self, tmp_path):
-        """The number of entries in a zip and the number of files in a package are limited."""
         many = [(f'a{number}.py', '') for number in range(package.MOST_FILES + 1)]
         with pytest.raises(UnusableUploadError, match=f'more than {package.MOST_FILES}'):
             read_upload(zip_of(tmp_path / 'a.zip', many))
@@ -187,7 +174,6 @@ class TestWhatAZipMayNotHold:
 
     @pytest.mark.filterwarnings('ignore:Duplicate name')
     def test_a_name_has_one_meaning(self, tmp_path):
-        """Two entries cannot share a name, and a file cannot also be a folder."""
         with pytest.raises(UnusableUploadError, match='twice'):
             read_upload(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
         with pytest.raises(UnusableUploadError, match='both a file and a folder'):
@@ -195,14 +181,12 @@ class TestWhatAZipMayNotHold:
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
     def test_what_is_no_zip_is_one_line(self, tmp_path, data):
-        """A truncated zip gives one line, like a file that is not a zip."""
         (tmp_path / 'a.zip').write_bytes(data)
 
         with pytest.raises(UnusableUploadError, match='the zip file cannot be read'):
             read_upload(tmp_path / 'a.zip')
 
     def test_a_link_to_a_zip_is_none(self, tmp_path):
-        """A link to a zip is refused, like any link in a submission."""
         zip_of(tmp_path / 'a.zip', PACKAGE)
         (tmp_path / 'b.zip').symlink_to(tmp_path / 'a.zip')
 
@@ -220,7 +204,6 @@ class TestNodeFiles:
         assert with_node_files(files, ['talker.py']) == {**files, 'talker.py': 'node'}
 
     def test_an_entry_point_names_another_module(self):
-        """The module that the entry point in setup.py names is used."""
         files = {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'}
 
         assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
@@ -235,7 +218,6 @@ class TestNodeFiles:
         assert found['talker.py'] == 'node'
 
     def test_installed_file_comes_before_others_of_its_name(self):
-        """The file that CMake installs comes before other files of its name."""
         files = {'talker.py': 'old', 'a/talker.py': 'old', 'scripts/talker.py': 'node'}
         files['CMakeLists.txt'] = '# a/talker.py\ninstall(PROGRAMS scripts/talker.py DESTINATION'
 
@@ -248,7 +230,6 @@ class TestNodeFiles:
         assert with_node_files(files, ['talker.py']) == files
 
     def test_an_entry_point_may_call_another_function(self):
-        """The file then calls this function, like the script that a build installs."""
         files = {'setup.cfg': 'talker = pkg.node_one:start\n', 'pkg/node_one.py': 'node'}
 
         text = with_node_files(files, ['talker.py'])['talker.py']
@@ -256,7 +237,6 @@ class TestNodeFiles:
         assert text == 'import sys\n\nfrom pkg.node_one import start\n\nsys.exit(start())\n'
 
     def test_a_file_at_the_top_is_not_replaced(self):
-        """The student has submitted the file at the top under that name."""
         files = {'talker.py': 'mine', 'pkg/talker.py': 'other'}
 
         assert with_node_files(files, ['talker.py']) == files
@@ -268,7 +248,6 @@ class TestNodeFiles:
 
 
 def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
-    """The exams identify a node by its file name."""
     for name in ('msg/A.msg', 'package.xml', 'CMakeLists.txt', 'pkg/talker.py', 'listener.py'):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(name)
@@ -283,7 +262,6 @@ def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
 
 
 def test_hidden_files_and_other_kinds_are_left_out(tmp_path):
-    """Only files that a build could need are read."""
     (tmp_path / '.part.py').write_text('x')
     (tmp_path / '__pycache__').mkdir()
     (tmp_path / '__pycache__' / 'a.py').write_text('x')
@@ -304,7 +282,6 @@ def test_link_is_refused_with_its_name(tmp_path, target):
 
 
 def test_other_entries_of_a_notebooks_folder_are_ignored(tmp_path):
-    """A pipe, a deep folder and a large file do not keep a learner from checking a node."""
     deep = tmp_path / '/'.join('d' * 20)
     deep.mkdir(parents=True)
     os.mkfifo(tmp_path / 'pipe.py')
@@ -317,7 +294,6 @@ def test_other_entries_of_a_notebooks_folder_are_ignored(tmp_path):
 
 
 def test_files_of_a_notebook_are_read_up_to_a_limit(tmp_path):
-    """The first files are read; a folder that does not exist has none."""
     for number in range(package.MOST_FILES + 5):
         (tmp_path / f'n{number}.py').write_text('x')
 

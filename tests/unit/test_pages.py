@@ -58,7 +58,6 @@ def links_of(path):
 
 class TestPages:
     def test_a_failed_check_says_all_five_things(self, tmp_path):
-        """The page shows expected and observed values, cause, advice and the section to read."""
         class_page = written(tmp_path, [submission()])
 
         text = read(class_page.parent / page_name('ann')).text
@@ -66,7 +65,6 @@ class TestPages:
             assert part in text
 
     def test_the_verdict_is_a_word_and_not_only_a_colour(self, tmp_path):
-        """A check that was not run names the check for which it waits."""
         class_page = written(tmp_path, [submission()])
 
         text = read(class_page.parent / page_name('ann')).text
@@ -86,7 +84,6 @@ class TestPages:
 
     @pytest.mark.parametrize('place', ['student', 'observed', 'problem', 'fault', 'flag'])
     def test_hostile_words_stay_words(self, tmp_path, place):
-        """Every text on the pages may come from a student."""
         result = submission(
             student=EVIL if place == 'student' else 'ann',
             checks=[failing(observed=EVIL, cause='') if place == 'observed' else failing()],
@@ -114,7 +111,6 @@ class TestPages:
             assert links_of(class_page.parent / link) == []
 
     def test_a_fault_of_ours_is_no_zero(self, tmp_path):
-        """Neither the page of the class nor the student's page shows points."""
         class_page = written(tmp_path, [submission(fault='probe broke')])
 
         assert 'for review' in read(class_page).text
@@ -152,7 +148,6 @@ class TestPages:
         assert [one['student'] for one in data] == ['new']
 
     def test_the_results_are_kept_as_data(self, tmp_path):
-        """Other programs can read the results file."""
         class_page = written(tmp_path, [submission()])
 
         data = json.loads((class_page.parent / 'results.json').read_text(encoding='utf-8'))
@@ -175,7 +170,6 @@ class TestPages:
         assert len(ids) == len(set(ids)) == 5
 
     def test_pages_are_well_formed_for_readers(self, tmp_path):
-        """Pages have a language, a title, one main heading, and tables with headers."""
         class_page = written(tmp_path, [submission()])
 
         for path in class_page.parent.rglob('*.html'):
@@ -189,7 +183,6 @@ class TestPages:
         'name', ['ann', 'a/b', '..', 'index', 'ü', 'a%2Fb', 'x' * 80, 'Щ' * 100]
     )
     def test_every_name_has_a_page_of_its_own_below_students(self, tmp_path, name):
-        """No name leads to a path outside the folder."""
         class_page = written(tmp_path, [submission(name), submission('other')])
 
         assert len(list((class_page.parent / 'students').iterdir())) == 2
@@ -208,18 +201,15 @@ class TestTable:
         assert 'a typo' in line
 
     def test_flags_come_below(self):
-        """Flags are for the instructor, so they are below the table."""
         assert 'flag: ann: odd' in self.printed(submission()).splitlines()[-1]
 
     def test_hostile_words_do_not_steer_the_terminal(self):
-        """The output contains no escape sequences and no markup."""
         text = self.printed(submission(student=EVIL, checks=[failing(cause=EVIL)]))
 
         assert '\x1b[31m' not in text
         assert '[bold]' in text
 
     def test_a_fault_of_ours_shows_no_points(self):
-        """An instructor has to look at the submission."""
         text = self.printed(submission(fault='probe broke'))
 
         assert 'for review' in text
@@ -228,7 +218,6 @@ class TestTable:
 
 class TestWords:
     def test_the_text_of_an_exam_has_a_line_for_each_fact(self):
-        """The text is shown below the notebook's check cell."""
         lines = exam_text(submission().exams[0]).splitlines()
 
         assert lines[0] == '2 of 6 points'
@@ -238,11 +227,9 @@ class TestWords:
         assert '       waits for: It warns.' in lines
 
     def test_control_characters_are_replaced(self):
-        """Line ends and tabs are kept."""
         assert printable('a\x1b[1mb\n\tc\x00') == 'a\ufffd[1mb\n\tc\ufffd'
 
     def test_what_costs_points_comes_before_what_does_not(self):
-        """A note about a file name does not explain missing points."""
         note = Problem('x', 'a', 'b', 'c')
         missing = Problem('y', 'a', 'b', 'c', ('talker',))
 
@@ -264,7 +251,6 @@ class TestWords:
         assert headline(submission(checks=again)).startswith('Another id')
 
     def test_headline_names_a_missing_cell_only_if_that_costs_most(self):
-        """A cause that costs more points than the missing cell takes precedence."""
         cell = Problem('y', 'a', 'b', 'c', ('talker',))
         absent = CheckResult('id', 'T', Verdict.FAILED, 0, 1, cause='x', cause_id='missing_file')
 
@@ -274,7 +260,6 @@ class TestWords:
         )
 
     def test_headline_says_the_observed_value_once(self):
-        """The value is shortened, and omitted if the cause contains it."""
         long = failing(observed='sensor_id ' + 'x' * 99)
 
         assert headline(submission(checks=(long,))).endswith('xxx\N{HORIZONTAL ELLIPSIS})')
@@ -283,7 +268,6 @@ class TestWords:
 
 
 def test_repeated_ids_get_a_number_that_is_free():
-    """The first element keeps its id; text that looks like an id is unchanged."""
     page = '<h3 id="a">x</h3><h3 class="b" id="a">id="a"</h3><p id="a-2"></p><h3 id="a"></h3>'
 
     assert with_unique_ids(page) == (

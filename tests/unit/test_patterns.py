@@ -101,7 +101,6 @@ def test_burst_shows_which_messages_are_answered(came, cause_id):
 
 
 def test_part_of_a_burst_is_not_taken_for_a_depth():
-    """Neither the first nor the last message is answered."""
     asked = Specification('abcd', each(lambda one: (one,)), burst=4)
 
     assert why_other_answer(asked, [('b', 'c')], 0).cause_id == 'misses_some'
@@ -142,7 +141,6 @@ def test_delays_are_counted_from_the_input_or_the_end_of_a_burst():
 
 
 def test_count_that_goes_back_is_reported_with_what_else_happened():
-    """The cause mentions that a subscription connected between the two messages."""
     found = [message(clock) for clock in (1.0, 2.0, 3.0)]
     run = run_of(*found, at(2.6, 'joined', matched=True))
     texts = ['hello 1', 'hello 2', 'hello 1']
@@ -165,7 +163,6 @@ def test_count_that_goes_back_is_reported_with_what_else_happened():
 )
 @pytest.mark.parametrize('texts', [['hello 7', 'hello 8', 'hello 1'], ['8', '9', '0']])
 def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, says, texts):
-    """A counter that no code resets is not blamed."""
     first = int(texts[0][-1])
 
     cause = closest(Code(run_of(code=code).files), why_not_numbered(texts, 2, first))
@@ -204,7 +201,6 @@ def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, s
     ],
 )
 def test_what_disturbs_a_rhythm_is_reported(clocks, others, cause_id):
-    """Only an event at exactly the same moment is blamed."""
     found = [message(clock) for clock in clocks]
 
     cause = why(rhythm.require_period, run_of(*found, *others), found, 1.0, 15.0)
@@ -222,7 +218,6 @@ def test_what_disturbs_a_rhythm_is_reported(clocks, others, cause_id):
     ids=['every second', 'uneven', 'each'],
 )
 def test_second_message_that_comes_evenly_has_its_period(clocks, text):
-    """No number is given if the double messages are irregular, or come in each period."""
     found = [message(clock) for clock in clocks]
 
     assert why(rhythm.require_period, run_of(), found, 1.0, 4.0).text.endswith(text)
@@ -265,7 +260,6 @@ TURNS = 'rclpy.spin_once(a)\nrclpy.spin_once(b)\n'
     ids=['each third tick', 'right period', 'wrong period', 'compared', 'in turn'],
 )
 def test_right_period_in_the_code_is_not_to_be_corrected(code, every_s, cause_id, advice):
-    """The number reaches create_timer() through a parameter."""
     found = [message(every_s * number) for number in range(1, 6)]
     run = run_of({'event': 'graph', 'nodes': ['/a', '/b'], 'endpoints': []}, code=code)
 
@@ -284,7 +278,6 @@ def test_pause_with_a_reset_is_told_to_leave_the_reset_out():
 
 
 def test_warning_from_another_line_is_not_called_a_repetition():
-    """The warning about a refusal comes from a different line of the code."""
     asked = Specification([SimpleNamespace(kind='hot')] * 2, each(lambda one: 1))
     line = {'event': 'log', 'level': WARN, 'text': 'hot', 'line': 20, 'after_input': 0}
     line['clock_ns'] = 0
@@ -359,7 +352,6 @@ class TestSensor:
         ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
     )
     def test_watchdog_that_runs_from_the_start_is_reported(self, early_s, cause_id):
-        """A line at the moment of an offer concerns the offer."""
         offer = at(1.0, 'offered', publisher='weak', matched=False, refused=['DEADLINE'])
         silence = at(5.0, 'mark', name='silence')
 
@@ -376,7 +368,6 @@ class TestSensor:
         ],
     )
     def test_number_of_a_distance_may_be_rounded_to_two_decimals(self, text, right):
-        """Thousands may be marked; cutting off decimals is not rounding."""
         assert sensor_watch._shows(text, 1234.567) == right
 
     @pytest.mark.parametrize(
@@ -387,11 +378,9 @@ class TestSensor:
         ],
     )
     def test_infinite_distance_may_be_shown_in_any_format(self, text, right):
-        """The start of another word does not show it."""
         assert sensor_watch._shows(text, math.inf) == right
 
     def test_refusals_that_are_counted_from_the_start_are_reported(self):
-        """The second refused publisher causes two lines, the first one only one."""
         events = []
         for place, name in enumerate(sensor_watch.LAZY):
             begun = 2.0 * place
@@ -417,7 +406,6 @@ class TestManaged:
         return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
 
     def test_second_configuration_that_creates_nothing_is_reported(self):
-        """A flag in the node remains set after the cleanup."""
         seen = [self.graph('configured', BEACON), self.graph('configured again')]
         run = run_of(*seen, facts=managed_beacon.exam.facts)
 
@@ -459,7 +447,6 @@ class TestManaged:
 
 
 def test_map_that_is_published_for_each_newcomer_is_reported():
-    """The map arrives at the moment at which the late subscription connects."""
     asked = replace(map_server.exam.asks['maps'], inputs=('hall', 'yard'))
     events = []
     for place, text in enumerate(asked.inputs):
@@ -496,7 +483,6 @@ def test_first_map_for_a_newcomer_is_distinguished_from_a_late_one(code, cause_i
     [('', False, 'no_reason'), ('too high', True, 'looks_at_one')],
 )
 def test_limit_keeper_gives_a_reason_for_each_refusal(reason, together, cause_id):
-    """One call may set several parameters, and the limit need not be the first one."""
     asked = limit_keeper.exam.asks['changes']
     answers = [
         at(1.0, 'answer', service=limit_keeper.SERVICE, data={'results': [given]})

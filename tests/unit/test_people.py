@@ -14,7 +14,6 @@ CANVAS = {'exampleann_1001_55001_talk.ipynb': GOOD, 'berg_1002_55002_essay.pdf':
 
 
 def test_names_of_what_was_taken_are_kept(tmp_path, layout):
-    """The names from all sources are saved; a student's latest name counts."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
     assert read_people(layout) == {'1001': 'exampleann'}
 
@@ -33,7 +32,6 @@ def test_names_of_what_was_taken_are_kept(tmp_path, layout):
 
 
 def test_latest_name_of_a_student_counts(layout):
-    """Work without a name, or of another assignment, does not bring an old name back."""
     save_collected(layout, [Work('1', TALK, 'exampleann'), Work('1', LISTEN, 'exampleann')])
     save_collected(layout, [Work('1', TALK, 'Ann Example')])
     save_collected(layout, [Work('1', LISTEN), Work('2', TALK, 'not collected', why='a PDF')])
@@ -42,7 +40,6 @@ def test_latest_name_of_a_student_counts(layout):
 
 
 def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
-    """Most names in Moodle already are valid ids."""
     place = '{}_assignsubmission_file/talk.ipynb'
     files = {place.format(who): GOOD for who in ("Bo O'Neil_1", 'Ann_2')}
 
@@ -52,7 +49,6 @@ def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
 
 
 def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
-    """A dry run, and a run without new names, leave the file unchanged."""
     source = packed(tmp_path / 'c.zip', CANVAS)
     collect(source, layout, layout.submitted, write=False)
     assert not layout.collected.exists()
@@ -84,7 +80,6 @@ def test_names_are_text_of_one_line(layout):
     [('1001', '1001'), ('Ann Lee', '1001'), ('  ann   LEE ', '1001'), ('Bo', 'Bo')],
 )
 def test_student_is_found_by_id_or_name(name, student, layout):
-    """Capitals and spaces do not matter, and an id takes precedence over a name."""
     names = {'1001': 'Ann Lee', '1002': 'Bo', '1003': 'Gone'}
     save_collected(layout, [Work(one, TALK, name) for one, name in names.items()])
 
@@ -92,7 +87,6 @@ def test_student_is_found_by_id_or_name(name, student, layout):
 
 
 def test_a_name_of_several_students_is_refused_and_an_unknown_one_is_nobody(layout):
-    """The message lists the ids; only the given students are searched."""
     names = {'1001': 'Ann Lee', '1002': 'Ann  Lee', '9': 'Gone'}
     save_collected(layout, [Work(one, TALK, name) for one, name in names.items()])
     students = {'1001', '1002', '1003'}

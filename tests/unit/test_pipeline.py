@@ -71,7 +71,6 @@ def points(graded):
 
 
 def test_results_come_in_the_order_of_the_submissions():
-    """The order of the results does not depend on their duration."""
     class_ = [handed_in(f's{number}', 'right') for number in range(20)]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=4)
@@ -82,7 +81,6 @@ def test_results_come_in_the_order_of_the_submissions():
 
 @pytest.mark.parametrize('word', ['probe', 'bug'])
 def test_our_own_fault_is_for_review_and_stops_nobody(word):
-    """A submission for review has no points, and the other submissions have theirs."""
     class_ = [handed_in('ann', 'right'), handed_in('bob', word), handed_in('cho', 'wrong')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -92,7 +90,6 @@ def test_our_own_fault_is_for_review_and_stops_nobody(word):
 
 
 def test_a_broken_file_is_zero_with_the_reason():
-    """The headline says why the file cannot be read."""
     class_ = [Submission('ann', Path('x'), b'nonsense'), handed_in('bob', 'right')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -102,7 +99,6 @@ def test_a_broken_file_is_zero_with_the_reason():
 
 
 def test_progress_is_reported_for_each_exam_of_each_student():
-    """Two exams of three students are reported, although two students share an answer."""
     done = []
     class_ = [handed_in('ann', 'right'), handed_in('bob', 'right'), handed_in('cho', 'bug')]
 
@@ -138,7 +134,6 @@ def test_each_result_is_reported_in_the_calling_thread_while_others_are_run():
 
 
 def test_no_more_runs_at_a_time_than_asked_for():
-    """Each job uses one thread."""
     engine = FakeEngine()
 
     grade_class([handed_in(name, 'right') for name in 'abcdef'], LESSON, engine, jobs=1)
@@ -147,7 +142,6 @@ def test_no_more_runs_at_a_time_than_asked_for():
 
 
 def test_ctrl_c_starts_nothing_new():
-    """Queued runs are cancelled."""
     engine, begun, held = FakeEngine(), threading.Event(), threading.Event()
     run, ran = engine.run, []
 
@@ -175,7 +169,6 @@ def test_ctrl_c_starts_nothing_new():
 
 
 def test_one_notebook_is_graded_the_same_way():
-    """A notebook can be graded without a class."""
     opened = open_one(handed_in('ann', 'right'), LESSON)
     result = grade_opened(opened, 'ann', LESSON, FakeEngine())
 

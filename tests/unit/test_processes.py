@@ -75,7 +75,6 @@ def test_threads_that_wait_are_asleep(program, threads):
 
 @pytest.mark.timeout(60)
 def test_a_program_that_computes_is_seen_in_its_parent():
-    """A child's threads and CPU time count towards its parent's."""
     with started(CHILD) as process:
         before = used_s(process.pid)
 

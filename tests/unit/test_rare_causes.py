@@ -40,7 +40,6 @@ def why(check, run):
 
 
 def test_message_type_that_builds_and_is_another_one():
-    """The echoing node uses a type with a different name."""
     end = {
         'topic': '/echo_in',
         'kind': 'subscription',
@@ -59,7 +58,6 @@ def test_message_type_that_builds_and_is_another_one():
 
 @pytest.mark.parametrize(('sent_s', 'cause_id'), [(0.88, ''), (0.96, 'first_map_late')])
 def test_first_map_is_there_before_the_node_is_seen(sent_s, cause_id):
-    """A map that is sent when the first subscription connects is too late."""
     seen = {'event': 'seen', 'clock_ns': 10**9, 'nodes': ['/map_server']}
     first = {
         'event': 'message',
@@ -120,7 +118,6 @@ def warming(values):
 
 
 def test_formula_is_not_blamed_for_a_flood():
-    """If a node floods the topic, only as many readings as expected are judged."""
     temperature_publisher.readings_are_plausible(warming(range(20, 220)))
 
     found = why(temperature_publisher.readings_are_plausible, warming(range(110, 130)))
@@ -159,7 +156,6 @@ class TestCausesOfBlindPrograms:
     def test_reader_is_told_which_of_its_messages_are_wrong(
         self, numbers, values, names, check, cause_id
     ):
-        """The wrong messages are below zero, lack a description, or contain an int."""
         facts = milli_reader.build(numbers, ('a', '' if 'unknown' in names else 'b', 'c')).facts
         events = [
             {'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place in range(3)
@@ -172,7 +168,6 @@ class TestCausesOfBlindPrograms:
         assert why(check, Run({}, Recording({}, (*events, *ENDS)), facts)).cause_id == cause_id
 
     def test_temperature_that_is_no_number_is_no_formula(self):
-        """Some readings are deliberately NaN."""
         readings = [
             {
                 'event': 'message',
@@ -186,7 +181,6 @@ class TestCausesOfBlindPrograms:
         assert why(temperature_publisher.readings_are_plausible, run).cause_id == 'not_finite'
 
     def test_beacon_that_is_silent_the_second_time_only(self):
-        """The node publishes only until its first on_deactivate()."""
         topic = '/beacon_signal'
         beats = [
             {'event': 'message', 'topic': topic, 'clock_ns': round((0.5 + at) * 1e9), 'data': {}}
@@ -204,7 +198,6 @@ class TestCausesOfBlindPrograms:
         assert why(beacon.publishes_while_active, run).cause_id == 'mute_again'
 
     def test_transition_that_is_refused_the_second_time_only(self):
-        """The callback fails only if something remains from an earlier transition."""
         code = 'def on_configure(self, state):\n    return self.done\n'
 
         found = ended.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
@@ -240,7 +233,6 @@ class TestCausesOfBlindPrograms:
         assert why(sensor_watch.names_the_policy, run).cause_id == 'first_refusal_only'
 
     def test_node_that_runs_and_is_not_seen(self):
-        """The code contains the node's class, and no evidence explains why no node appears."""
         code = "class N(Node):\n    def __init__(self):\n        super().__init__('n')\n"
 
         found = ended.why_no_node(Run({'n.py': code}, Recording({}, ENDS)), '/n')

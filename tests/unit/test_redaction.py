@@ -253,7 +253,6 @@ def failures(exam: Exam) -> Iterator[tuple[str, Run, CheckResult]]:
 
 @pytest.mark.parametrize('name', NAMES)
 def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
-    """No text reveals inputs, even if the program repeats everything that it received."""
     exam = catalog.load(name)
     found = list(failures(exam))
     revealed = [
@@ -351,7 +350,6 @@ class TestWords:
         ],
     )
     def test_feedback_speaks_of_kinds_and_relations(self, exam, program, check, words):
-        """The sentences remain complete without the hidden values."""
         texts = [
             texts_of(one)
             for name, _, one in failures(catalog.load(exam))
@@ -371,12 +369,10 @@ class TestWords:
         ids=['public', 'nothing sent', 'in the code', 'perhaps an echo'],
     )
     def test_own_words_are_quoted_unless_they_may_be_an_echo(self, facts, events, code, shown):
-        """Words that are in the student's code are not an echo of the inputs."""
         run = Run({'a.py': code}, Recording({}, events), facts)
 
         assert safe_quotation(run, 'a map', 'another text') == shown
 
     def test_numbers_of_a_quoted_line_are_left_out(self):
-        """The numbers are left out only if they may be hidden inputs."""
         assert redacted(Run({}, Recording({}, ()), {}), '16.2 m') == '16.2 m'
         assert redacted(Run({}, Recording({}, ()), {'secret': True}), '16.2 m') == '… m'

@@ -41,8 +41,6 @@ def unfit(*cells, exams=(FakeExam(),)):
 
 
 class TestCheckCells:
-    """Each exam has one cell, below its answers, with its points."""
-
     def test_a_fitting_pair_is_fine(self):
         assert unfit(ANSWER, CHECK) == []
 
@@ -108,7 +106,6 @@ class TestRelease:
         return Layout(tmp_path)
 
     def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):
-        """The old bundle is kept, and the mistakes are listed."""
         monkeypatch.setattr(course, 'check', lambda layout: ['x.ipynb: 4 points'])
         monkeypatch.setattr(course, 'pack', lambda *_: pytest.fail('It was packed.'))
 

@@ -35,5 +35,4 @@ def test_points_are_sums_over_checks_and_exams():
 
 
 def test_a_problem_is_one_line():
-    """The line shows the place, the expected and the actual content, and what to try."""
     assert PROBLEM.line() == 'x.ipynb: expected a notebook, got a picture. Try: submit again.'

@@ -31,12 +31,10 @@ def heading_of(text: str) -> str:
 
 @each_entry
 def test_heading_of_an_exhibit_leads_to_its_entry(entry: Entry) -> None:
-    """A heading of the lesson, pasted into explain(), gives that exhibit first."""
     assert nearest(entry.heading)[0] == entry
 
 
 def test_entries_and_exhibits_are_the_same() -> None:
-    """Each entry has an exhibit of three cells under its heading, and each exhibit an entry."""
     cells = sources()
     headings = {heading_of(text) for name, text in cells.items() if name.endswith('-what')}
 
@@ -69,7 +67,6 @@ def test_exhibit_needs_the_setup_and_no_other_exhibit(entry: Entry) -> None:
 
 
 def test_names_of_a_learner_do_not_disturb() -> None:
-    """A message is recognised whatever the learner's nodes, classes and packages are called."""
     found = [
         nearest("Package 'bumper_cars' not found")[0].key,
         nearest("property 'timers' of 'Clock' object has no setter")[0].key,
@@ -82,14 +79,12 @@ def test_names_of_a_learner_do_not_disturb() -> None:
 
 
 def test_message_in_a_long_log_is_found() -> None:
-    """Line breaks and text around a message do not matter."""
     log = 'Traceback ...\n  File "x.py"\nRuntimeError: Context.init() must only\n be called once\n'
 
     assert nearest(log)[0].key == 'init-twice'
 
 
 def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str]) -> None:
-    """An explanation says what happened, what to do, and where the lesson shows the error."""
     explain('No executable found')
 
     said = capsys.readouterr().out
@@ -99,7 +94,6 @@ def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str])
 
 
 def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
-    """The search includes the class of the exception."""
     explain(NameError("name 'Float32' is not defined"))
 
     assert 'Import it' in capsys.readouterr().out
@@ -108,7 +102,6 @@ def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
 def test_explain_looks_at_the_last_error(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Without an argument, explain() explains the last error in this interpreter."""
     monkeypatch.setattr(
         sys, 'last_value', TypeError("'NoneType' object is not callable"), raising=False
     )
@@ -126,20 +119,17 @@ def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize('nonsense', [3, '', '  '])
 def test_explain_refuses_what_is_no_error(nonsense: object) -> None:
-    """For a number or an empty string, the answer is an example of a correct call."""
     with pytest.raises(RoslabError, match='expected an error message'):
         explain(nonsense)
 
 
 def test_explain_knows_the_errors_of_a_build(capsys: pytest.CaptureFixture[str]) -> None:
-    """An error that is not in the gallery is looked up among the causes of failed builds."""
     explain("CMake Error: the passed dependency 'geometry_msgs' has not been found before using")
 
     assert 'find_package(geometry_msgs REQUIRED)' in capsys.readouterr().out
 
 
 def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
-    """For an unknown message, explain() suggests next steps and does not guess."""
     explain('RCLError: the robot has eaten the map')
 
     said = capsys.readouterr().out
@@ -163,7 +153,6 @@ def raised(code: str, name: str = '__main__') -> BaseException:
 def test_error_of_python_leads_to_its_manual(
     error: str | BaseException, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """For an error of Python itself, explain() does not point to rclpy's issues."""
     explain(error)
 
     said = capsys.readouterr().out
@@ -182,7 +171,6 @@ def test_error_of_python_leads_to_its_manual(
 def test_builtin_error_that_ros_raises_leads_to_its_issues(
     error: str | BaseException, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The raising code or the message shows that the error comes from ROS."""
     explain(error)
 
     assert 'github.com/ros2/rclpy' in capsys.readouterr().out
@@ -195,7 +183,6 @@ def test_builtin_error_that_ros_raises_leads_to_its_issues(
 def test_misspelt_module_is_named(
     written: str, meant: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A name close to that of an existing module is a typo, not a package that was not built."""
     explain(f"ModuleNotFoundError: No module named '{written}'")
 
     said = capsys.readouterr().out
@@ -207,7 +194,6 @@ def test_misspelt_module_is_named(
 def test_module_that_nothing_resembles_may_be_misspelt_or_not_built(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Modules with very different names are not suggested."""
     explain(f"ModuleNotFoundError: No module named '{name}'")
 
     assert 'it is misspelt, not built, not installed' in capsys.readouterr().out

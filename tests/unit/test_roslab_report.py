@@ -35,7 +35,6 @@ def report(*checks, **more):
 
 
 def test_text_has_one_line_per_check_and_the_facts_of_a_failure():
-    """A failed check shows expected and observed values, and what to try."""
     text = str(report(PASSED, FAILED, WAITING))
 
     assert text.splitlines()[0].startswith('temperature_publisher: 3 of 10 points')
@@ -47,7 +46,6 @@ def test_text_has_one_line_per_check_and_the_facts_of_a_failure():
 
 
 def test_html_escapes_what_the_program_did():
-    """The output of a learner's program is text, never markup."""
     page = report(FAILED)._repr_html_()
 
     assert '<script>' not in page
@@ -58,7 +56,6 @@ def test_html_escapes_what_the_program_did():
 
 
 def test_report_is_true_only_if_every_check_passed():
-    """A report without checks is not a success."""
     assert report(PASSED)
     assert not report(PASSED, WAITING)
     assert not report(PASSED, FAILED)
@@ -67,7 +64,6 @@ def test_report_is_true_only_if_every_check_passed():
 
 
 def test_plain_mode_is_said():
-    """If a run had no sandbox, the report says this."""
     assert 'without a sandbox' in str(report(PASSED, mode='none'))
     assert 'sandbox' not in str(report(PASSED, mode='user'))
 
@@ -84,7 +80,6 @@ def test_verdicts_are_read_from_the_last_line_of_json():
 
 
 def test_error_of_the_child_is_shown_as_one_line():
-    """The report shows the error message that the child process printed as JSON."""
     problem = {'where': 'check', 'expected': 'a known exam', 'got': 'x', 'try_this': 'another'}
     text = str(read(json.dumps({'error': problem}), 2))
 
@@ -104,7 +99,6 @@ def test_deadline_is_named():
 
 
 def test_unfinished_files_are_named():
-    """The report names files that still contain a stub."""
     assert 'x.py is not finished' in str(CheckReport('x', unfinished=('x.py',)))
 
 
@@ -164,7 +158,6 @@ def test_progress_of_a_build_is_its_last_mark(output, how_far):
 
 
 def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
-    """Reading the output does not move the position at which the command writes."""
     seen = []
 
     def on_tick(seconds, output):

@@ -20,7 +20,6 @@ from exams.visible.safety_stop import (
 
 
 def test_command_is_limited_and_a_silence_has_one_stop():
-    """Only the speed is limited, in both directions."""
     drive = [Command(0.3, 0.2, 0.3), Command(-0.8, 0.9, 0.4), Command(0.5, 0.1, 1.6)]
 
     assert guarding()(drive) == [((0.3, 0.2),), ((-0.5, 0.9),), ((0.5, 0.1), (0.0, 0.0))]
@@ -28,7 +27,6 @@ def test_command_is_limited_and_a_silence_has_one_stop():
 
 @pytest.mark.parametrize('secret', [str(number) for number in range(10)])
 def test_drawn_commands_are_as_the_exam_needs_them(secret):
-    """Two commands are stops; only fast commands reveal a wrong limit."""
     asked = catalog.load_with_secret('safety_stop', secret).asks['commands']
     silent = places(asked, silent=True)
     before_silence = [one for place in silent for one in asked.row(place)]
@@ -44,7 +42,6 @@ def test_drawn_commands_are_as_the_exam_needs_them(secret):
 
 @pytest.mark.parametrize('at_first', [False, True])
 def test_command_lost_after_a_stop_is_the_cause(at_first):
-    """Commands of zeros are among the lost ones, and are not the reason."""
     asked = safety_stop.exam.facts['commands']
     came = asked.of(losing(lambda one, after: after, at_first))
 
@@ -70,7 +67,6 @@ def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():
 
 
 def test_repeated_command_is_skipped_with_its_stop():
-    """A first command of zeros repeats none; the stop after a skipped command is not due."""
     zero, drive = Command(*STOP, 0.3), Command(0.3, 0.2, 1.6)
     skips_equal = safety_stop.SLIPS[0].rules[0]
 
@@ -87,7 +83,6 @@ def test_words_of_a_late_stop_have_the_times_of_the_exam():
     ('kept', 'cause_id'), [(-1, 'only_the_last'), (0, 'drops_while_busy'), (1, None)]
 )
 def test_burst_of_which_one_command_is_left_is_explained(kept, cause_id):
-    """The silence after the burst still causes a stop."""
     asked = safety_stop.exam.facts['commands']
     one = asked.inputs[-safety_stop.BURST :][kept]
 

@@ -62,7 +62,6 @@ def course(tmp_path: Path):
 
 
 def test_reference_and_release_are_as_they_must_be(course):
-    """Both lines report success and name the submission."""
     layout = course('right', '# YOUR CODE HERE')
 
     lines = list(self_check(layout, FakeEngine(FakeExam())))
@@ -74,7 +73,6 @@ def test_reference_and_release_are_as_they_must_be(course):
 
 
 def test_reference_that_fails_its_exam_is_reported(course):
-    """The report names the check that failed."""
     (reference, _) = self_check(course('wrong', 'wrong'), FakeEngine(FakeExam()))
 
     assert reference == (
@@ -84,14 +82,12 @@ def test_reference_that_fails_its_exam_is_reported(course):
 
 
 def test_lesson_without_exams_has_nothing_to_grade(course):
-    """The report mentions the lesson, which would otherwise seem to be missing."""
     lines = list(self_check(course('right', 'x', checked=False), FakeEngine()))
 
     assert lines == [(True, '01_x: nothing to grade, as expected.')]
 
 
 def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
-    """Otherwise a missing exam would go unnoticed."""
     lines = list(self_check(course('right', 'x'), FakeEngine()))
 
     assert lines == [(False, '01_x, cell check_talker: this lesson has no exam talker.')]

@@ -40,7 +40,6 @@ def send(text):
 
 
 def test_plan_watches_every_topic_that_the_program_publishes():
-    """The topics that every node has are excluded."""
     scenario = planned(order_of('echo.py', 10), Scenario(), SEEN)
 
     assert scenario.watch == {'/out': STRING}
@@ -49,7 +48,6 @@ def test_plan_watches_every_topic_that_the_program_publishes():
 
 
 def test_inputs_of_one_second_are_a_burst_in_the_given_order():
-    """No time passes between the inputs of a burst."""
     steps = steps_of(
         inputs={'in': [(2.0, {'data': 'b'}), (1.0, {'data': 'a'}), (2, {'data': 'c'})]}
     )
@@ -100,7 +98,6 @@ def test_program_that_ends_at_once_gets_no_inputs():
     ],
 )
 def test_wrong_wish_is_refused_with_its_place(wishes, words):
-    """The message names the topic and a valid alternative."""
     with pytest.raises(UsageError) as refused:
         steps_of(**wishes)
 
@@ -109,13 +106,11 @@ def test_wrong_wish_is_refused_with_its_place(wishes, words):
 
 @pytest.mark.parametrize('seconds', [0, -1, 86_401, float('nan'), float('inf')])
 def test_impossible_length_is_refused(seconds):
-    """A simulation must be longer than 0 s and at most a day."""
     with pytest.raises(UsageError, match='seconds: expected more than 0 and at most 86400'):
         order_of('echo.py', seconds)
 
 
 def test_numbers_that_json_lacks_and_inner_fields_become_plain_data():
-    """The order is sent to a different process as JSON."""
     fields = {'value': float('nan'), 'stamp': {'sec': 1}, 'items': (1.5, float('-inf'))}
     (one,) = order_of('echo.py', 10, {'in': [(1, fields)]}).inputs
 
@@ -146,7 +141,6 @@ def message(at_ns, text, **facts):
 
 
 def test_recording_becomes_messages_with_times():
-    """Events at the last instant are included; later ones are not."""
     log = {'event': 'log', 'clock_ns': 5, 'level': 30, 'name': 'echo', 'text': 'hot'}
     sent = {'event': 'input', 'clock_ns': 10**9, 'topic': '/in', 'data': {'data': 'a'}}
     joined = {'event': 'joined', 'clock_ns': 2 * 10**9, 'topic': '/out', 'listener': 'late/out'}
@@ -184,7 +178,6 @@ def test_topic_without_messages_is_empty_and_an_unknown_one_is_an_error():
 
 
 def test_end_of_a_program_is_reported_with_its_last_line():
-    """For a crash, the line contains the exception."""
     printed = 'Traceback\nValueError: too much\n'
     run = recorded(reason='student_exited', over_ns=3 * 10**9, exit_code=1, printed=printed)
 
@@ -194,7 +187,6 @@ def test_end_of_a_program_is_reported_with_its_last_line():
 
 
 def test_limit_keeps_what_was_observed_until_then():
-    """If a limit of the grader ends the run, the end event has no time."""
     run = recorded(message(4 * 10**9, 'a'), reason='cpu_limit', over_ns=None)
 
     assert (run.times('out'), run.seconds) == ([4.0], 4.0)
@@ -223,7 +215,6 @@ def test_modules_next_to_a_program_come_along(tmp_path):
 
 
 def test_entry_point_calls_its_function(tmp_path, monkeypatch):
-    """The module is found on Python's module path."""
     (tmp_path / 'some_node.py').write_text('def run():\n    pass\n', encoding='utf-8')
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -235,6 +226,5 @@ def test_entry_point_calls_its_function(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize('program', ['nowhere.py', 'nowhere:main', 'nowhere.inner:main'])
 def test_missing_program_is_refused(program):
-    """A missing program is refused before any run."""
     with pytest.raises(UsageError, match=r'there is no such file|has no such module'):
         files_of(program)

@@ -71,7 +71,6 @@ def path(engine, exam, runs, tmp_path):
 
 
 def test_a_kept_recording_is_read_and_nothing_is_run(engine, exam, runs, path):
-    """A stored recording is read any number of times."""
     before = path.read_bytes()
 
     for _ in range(2):
@@ -84,7 +83,6 @@ def test_a_kept_recording_is_read_and_nothing_is_run(engine, exam, runs, path):
 def test_a_run_is_repeated_if_anything_that_affects_it_differs(
     engine, exam, runs, path, monkeypatch
 ):
-    """The four causes are different files, scenarios, isolation modes and environments."""
     names = {path.name, engine.run(exam, {'talker.py': 'x = 2'}).recording}
     root = SimpleNamespace(mode='bwrap-root', keeps_secrets=True, ros=SANDBOX.ros)
     names.add(replace(engine, sandbox=root).run(exam, FILES).recording)
@@ -135,7 +133,6 @@ def test_a_recording_of_an_older_format_is_made_again(engine, exam, runs, path):
 
 
 def test_how_long_a_run_took_is_kept_with_it(engine, exam, tmp_path):
-    """A recording contains its duration and versions, and a rerun does not change them."""
     first = engine.run(exam, FILES)
     again = engine.run(exam, FILES)
 
@@ -149,7 +146,6 @@ def test_how_long_a_run_took_is_kept_with_it(engine, exam, tmp_path):
 
 @pytest.mark.parametrize('error', [ProbeFailed('The probe failed.'), KeyboardInterrupt()])
 def test_a_failed_run_is_neither_repeated_nor_stored(engine, exam, tmp_path, monkeypatch, error):
-    """A run takes place once; without a recording, the next grading runs the program again."""
     runs = []
 
     def fails(*given):

@@ -85,7 +85,6 @@ class TestPacking:
         return Layout(tmp_path)
 
     def test_only_what_is_named_goes(self, layout):
-        """A new part of the project is not packed until the list names it."""
         assert sorted(student_bundle.bundled_files(layout)) == [
             '.github/workflows/classroom.yml',
             'LICENSE',
@@ -102,7 +101,6 @@ class TestPacking:
         ]
 
     def test_the_same_course_gives_the_same_bytes(self, layout, tmp_path):
-        """The bundle changes only if the course changes."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
         assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 13
@@ -149,7 +147,6 @@ def names_in(copy):
 
 class TestThisCourse:
     def test_every_named_file_and_folder_is_there(self):
-        """A name without a file would mean that students lack a part."""
         missing = [one for one in student_bundle.ALLOWED if not (ROOT / one).exists()]
 
         assert missing == []
@@ -169,21 +166,17 @@ class TestThisCourse:
         + ['collect', 'commands/grade', 'instructors', 'nbgrader_config', 'self_check', 'similar'],
     )
     def test_it_has_nothing_of_the_instructors(self, copy, part):
-        """The bundle contains no hidden exams, no solutions and no code for whole classes."""
         assert [name for name in names_in(copy) if part in name] == []
 
     def test_github_finds_the_workflow(self, copy):
-        """The workflow is in the top folder's .github; the bundle has the module that it runs."""
         assert {'.github/workflows/classroom.yml', 'autograder/workflow/__main__.py'} <= {
             *names_in(copy)
         }
 
     def test_it_has_the_list_of_further_messages(self, copy):
-        """The set-up of a student's copy installs these message packages too."""
         assert 'environment/messages.txt' in names_in(copy)
 
     def test_no_answer_of_lesson_07_is_a_readable_file(self, copy):
-        """The nodes, their message and their build rules are in the packed file."""
         names = {Path(name).name for name in names_in(copy)}
         answers = {'temp_publisher.py', 'temp_subscriber.py', 'Temperature.msg', 'package.xml'}
 
@@ -193,7 +186,6 @@ class TestThisCourse:
 
     @pytest.mark.slow
     def test_everything_that_it_imports_is_in_it(self, copy):
-        """No module imports one that only instructors have."""
         done = subprocess.run(
             [sys.executable, '-c', IMPORT_ALL], cwd=copy, capture_output=True, text=True
         )
@@ -211,7 +203,6 @@ class TestThisCourse:
         assert 'README.md: ARCHITECTURE.md' in dead_links('README.md', ROOT / 'README.md', files)
 
     def test_its_make_help_lists_what_works_there(self, copy):
-        """The list contains every target that the page for students names."""
         done = subprocess.run(
             ['make', 'help'], cwd=copy, capture_output=True, text=True, env=without_make()
         )
@@ -222,7 +213,6 @@ class TestThisCourse:
         assert set(re.findall(r'\bmake ([a-z]+)', page)) <= {*goals, 'help'}
 
     def test_a_goal_that_it_does_not_have_is_one_line(self, copy):
-        """The error says how to list the available targets."""
         done = subprocess.run(
             ['make', 'grade'], cwd=copy, capture_output=True, text=True, env=without_make()
         )
@@ -234,7 +224,6 @@ class TestThisCourse:
     @pytest.mark.slow
     @pytest.mark.parametrize('name', KINDS)
     def test_its_visible_checks_judge_a_right_answer(self, copy, name, tmp_path):
-        """The bundle is enough to run, record and judge the program."""
         (exercise,) = (one for one in exercises() if one.name == name)
         for file, text in exercise.files.items():
             (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
@@ -255,10 +244,7 @@ def without_make():
 
 
 class TestPackedPackage:
-    """The finished package, packed so that students cannot read the answers."""
-
     def test_it_unpacks_to_the_same_package_without_words(self, tmp_path):
-        """A build of the unpacked package gives the same files as a build of the sources."""
         package = ROOT / 'temp_monitor_pkg'
         packed_package.unpack(packed_package.pack(package), tmp_path)
         module = tmp_path / 'temp_monitor_pkg' / 'temp_publisher.py'
@@ -281,5 +267,4 @@ class TestPackedPackage:
         ],
     )
     def test_docstrings_and_comments_are_left_out(self, text, bare):
-        """Other strings are kept."""
         assert packed_package.without_words(text) == bare

@@ -64,7 +64,6 @@ class TestUnusable:
         ],
     )
     def test_work_without_a_readable_cell_is_unusable(self, data, got, release):
-        """Whatever the reason is, no flag says that locked cells are missing."""
         before = (Problem('submitted/ann', 'a folder', 'no notebook', 'submit again'),)
         opened = open_submission(data, release, 'n.ipynb', before if data is None else ())
         result = SubmissionResult('ann', 'a', problems=opened.problems)
@@ -75,7 +74,6 @@ class TestUnusable:
         assert opened.flags == ()
 
     def test_one_cell_of_the_assignment_is_enough(self, release):
-        """A missing answer costs only its own points."""
         data = json.dumps({'cells': [cell('check_talker', "check('talker')")]}).encode()
 
         opened = open_submission(data, release, 'n.ipynb')
@@ -85,8 +83,6 @@ class TestUnusable:
 
 
 class TestReadNotebook:
-    """Each kind of file that is not a notebook gets a different line."""
-
     @pytest.mark.parametrize(
         ('data', 'got'),
         [
@@ -105,7 +101,6 @@ class TestReadNotebook:
         ],
     )
     def test_bytes_that_are_no_notebook_get_one_clear_line(self, data, got):
-        """The line shows the file, the expected and the actual content, and what to try."""
         cells, problems = read_notebook(data, 'submitted/ann/x.ipynb')
 
         assert cells is None
@@ -135,7 +130,6 @@ class TestReadNotebook:
         assert found[0].source == 'x'
 
     def test_parts_of_the_wrong_type_count_as_empty(self):
-        """Odd JSON in one cell costs only that cell."""
         cells = [
             None,
             {'cell_type': 3, 'source': {'a': 1}, 'metadata': []},
@@ -150,7 +144,6 @@ class TestReadNotebook:
         assert {one.grade_id for one in found} == {''}
 
     def test_a_byte_order_mark_and_windows_line_ends_are_fine(self):
-        """Editors on Windows add both."""
         data = json.dumps({'cells': [cell('a', 'x\r\ny\rz')]}).encode('utf-8-sig')
 
         found, problems = read_notebook(data, 'x')
@@ -166,10 +159,7 @@ class TestReadNotebook:
 
 
 class TestRebuild:
-    """The rebuilt notebook is the release with only the student's answers."""
-
     def test_answers_are_found_by_grade_id_wherever_they_stand(self, release):
-        """Order and extra cells do not matter."""
         student = [
             StudentCell('why', 'markdown', 'because'),
             StudentCell('', 'code', 'scratch'),
@@ -208,7 +198,6 @@ class TestRebuild:
         assert json.dumps(release) == before
 
     def test_a_missing_cell_leaves_the_stub_and_is_named(self, release):
-        """The other answers are not affected."""
         notebook, problems = rebuild(release, [StudentCell('why', 'markdown', 'because')], 'x')
 
         assert [problem.cells for problem in problems] == [('talker',)]
@@ -216,7 +205,6 @@ class TestRebuild:
         assert source_of(notebook, 'why') == 'because'
 
     def test_a_renamed_cell_is_recognised_by_its_magic_line(self, release):
-        """The message says where the answer probably is."""
         student = [
             StudentCell('talker-Copy1', 'code', '%%node talker\npass'),
             StudentCell('why', 'markdown', 'because'),
@@ -228,7 +216,6 @@ class TestRebuild:
         assert "talker.py with grade id 'talker-Copy1'" in problems[0].got
 
     def test_of_duplicated_cells_the_first_counts_and_nothing_is_lost(self, release):
-        """The message says which of the cells counts."""
         student = [
             StudentCell('talker', 'code', 'first'),
             StudentCell('talker', 'code', 'second'),
@@ -259,7 +246,6 @@ class TestRebuild:
         assert [problem.cells for problem in problems] == [(), ()]
 
     def test_a_changed_check_is_ignored_and_noted(self, release):
-        """Locked cells come from the release."""
         student = [
             StudentCell('talker', 'code', 'x'),
             StudentCell('check_talker', 'code', '15.0'),
@@ -285,7 +271,6 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_536, 'x\r\n' * 32_768, '\u00e9' * 32_768])
     def test_an_answer_of_64_kib_counts_whole(self, release, text):
-        """The limit applies to the bytes after conversion to Unix line ends."""
         data = json.dumps(student_file(release, talker=text)).encode()
 
         opened = open_submission(data, release, 'x')
@@ -296,7 +281,6 @@ class TestRebuild:
     def test_cells_are_looked_through_once_however_many_answers_are_missing(
         self, release, monkeypatch
     ):
-        """The grader parses each cell once, and only its first line."""
         release['cells'] += [
             cell(f'more_{number}', f'%%node more_{number}\n', solution=True)
             for number in range(20)

@@ -68,7 +68,6 @@ def traced() -> Iterator[Traced]:
 
 
 def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
-    """The bytes of each notebook are dropped before the next one is read."""
     for number in range(STUDENTS):
         folder = tmp_path / f's{number:02}' / '01'
         folder.mkdir(parents=True)
@@ -86,7 +85,6 @@ def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
 
 
 def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
-    """A cell of many megabytes gives one problem, and its content is not kept."""
     data = json.dumps({'cells': [cell('x' * 10 * MEGABYTE)]}).encode()
 
     with traced() as memory:

@@ -66,7 +66,6 @@ class TestRhythm:
 
     @pytest.mark.parametrize('begin_s', [0.64, 0.8, 1.3, 1.45])
     def test_second_of_the_ros_clock_is_right(self, begin_s):
-        """The rhythm may begin at any time within the second."""
         publisher.publishes_once_per_second(published(every(1.0, begin_s)))
 
     def test_message_may_be_a_step_late(self):
@@ -88,7 +87,6 @@ class TestRhythm:
         ],
     )
     def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
-        """The messages alone reveal the cause."""
         with pytest.raises(Failed) as failed:
             publisher.publishes_once_per_second(published(moments_s))
 
@@ -104,7 +102,6 @@ class TestRhythm:
         ],
     )
     def test_code_tells_why_a_period_is_longer(self, code, cause_id):
-        """A clock that the code mentions need not set the period."""
         found = why(publisher.publishes_once_per_second, published(every(2.0), code))
 
         assert found.cause_id == cause_id
@@ -121,7 +118,6 @@ class TestStamps:
         publisher.stamps_follow_the_clock(run)
 
     def test_clock_shows_zero_before_its_first_step_alone(self):
-        """Only messages from before the first step may have stamp zero."""
         early = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 3 * 10**8))
         late = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 9 * 10**8))
 
@@ -129,7 +125,6 @@ class TestStamps:
         assert why(publisher.stamps_follow_the_clock, late).cause_id == 'missing_stamp'
 
     def test_sleep_between_stamp_and_message_is_reported(self):
-        """The clock advances, although a sleeping node does not notice."""
         code = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
         run = published(every(2.0), code, stamp=lambda now: CLOCK.at(now) - 2 * 10**9)
 
@@ -152,7 +147,6 @@ class TestStamps:
         ],
     )
     def test_stamp_of_another_time_is_wrong(self, stamp, cause_id):
-        """Stamps are compared to the nanosecond."""
         run = published(every(1.0, 1.6), stamp=stamp)
 
         assert why(publisher.stamps_follow_the_clock, run).cause_id == cause_id
@@ -160,7 +154,6 @@ class TestStamps:
 
 @pytest.mark.parametrize(('count', 'judged'), [(1, False), (2, True)])
 def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
-    """Fewer readings prove nothing about a whole minute."""
     run = published(every(1.0)[:count])
 
     if judged:
@@ -181,7 +174,6 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
     ],
 )
 def test_stamp_of_zero_is_explained_by_what_the_code_does(code, cause_id, words):
-    """Without evidence in the code, no cause is named."""
     run = published(every(1.0), code, stamp=lambda _: 0)
 
     found = closest(Code(run.files), why(publisher.stamps_follow_the_clock, run))
@@ -307,8 +299,6 @@ OWN = '[WARN] [temperature_subscriber]: Too warm: 45.25 degC is above 30.0 degC\
 
 
 class TestUnlogged:
-    """Some lines are missing; the others are on standard output as well."""
-
     @pytest.mark.parametrize('check', [subscriber.logs_every_reading, CHECKS[2]])
     @pytest.mark.parametrize(
         ('printed', 'code', 'cause_id'),
@@ -335,13 +325,11 @@ class TestUnlogged:
         ],
     )
     def test_warning_alone_may_be_elsewhere(self, printed, code, cause_id):
-        """The readings are logged correctly, but the warning is missing or went elsewhere."""
         run = heard([COOL, HOT, COOL], lambda one: right(one)[:1], code, printed=printed)
 
         assert why(subscriber.warns_when_too_hot, run).cause_id == cause_id
 
     def test_missing_warning_that_no_slip_explains_is_only_described(self):
-        """No known slip leaves out only the second of three warnings."""
         readings = [COOL, HOT, Reading(46.0, 'another hot reading'), HOT, COOL]
         run = heard(readings, lambda one: right(one)[: 1 + (one is HOT)])
 
@@ -356,7 +344,6 @@ class TestUnlogged:
         ],
     )
     def test_error_that_nobody_gets_is_looked_for_where_all_is_silent(self, printed, cause_id):
-        """Here the program logs nothing at all."""
         run = heard([COOL, ODD, COOL], lambda _: [], printed=printed)
 
         found = why(subscriber.reports_an_unknown_unit, run)
@@ -382,8 +369,6 @@ class TestUnlogged:
 
 
 class TestErrors:
-    """A valid reading is answered with an ERROR, whose text gives the reason."""
-
     @pytest.mark.parametrize('check', CHECKS)
     @pytest.mark.parametrize(
         ('text', 'cause_id', 'words'),
@@ -407,21 +392,18 @@ class TestErrors:
     def test_text_of_the_error_is_reported_and_no_unit_invented(
         self, check, text, cause_id, words
     ):
-        """The unit is blamed only if the line mentions it."""
         found = why(check, heard([COOL, HOT, COOL], lambda _: [(ERROR, text)]))
 
         assert found.cause_id == cause_id
         assert words in found.text
 
     def test_readings_that_are_all_logged_as_errors_have_the_wrong_level(self):
-        """The line contains the value, so only the level is wrong."""
         run = heard([COOL, HOT], lambda reading: [(ERROR, f'{reading.value} Celsius')])
 
         assert why(subscriber.logs_every_reading, run).cause_id == 'wrong_level'
         assert why(subscriber.warns_when_too_hot, run).cause_id == 'wrong_level'
 
     def test_line_of_a_hidden_exam_is_quoted_without_what_was_sent(self):
-        """The quotation contains no secret numbers or units."""
         text = "bad 21.5, heard 45.25 and qxz, name 'x' is not defined " + 'long ' * 99
 
         found = why(CHECKS[0], heard([COOL, HOT, ODD], lambda _: [(ERROR, text)], secret=True))
@@ -440,8 +422,6 @@ class TestErrors:
 
 
 class TestFahrenheit:
-    """Readings in Fahrenheit are refused, but readings in Celsius are accepted."""
-
     @staticmethod
     def refusing(code, text='unknown unit'):
         """Return a run of a node that does not know Fahrenheit."""
@@ -475,7 +455,6 @@ class TestFahrenheit:
         assert 'warning' not in found.try_this
 
     def test_wrong_conversion_is_no_wrong_comparison(self):
-        """The comparison is correct for Celsius."""
         run = heard([COOL, HOT, WARM_F, COOL], lambda one: right(one)[: 1 + (one is HOT)])
 
         found = why(subscriber.converts_fahrenheit, run)
@@ -484,7 +463,6 @@ class TestFahrenheit:
         assert '86 °F must give 30' in found.try_this
 
     def test_comparison_that_is_wrong_in_celsius_too_is_blamed_for_both(self):
-        """A node that warns only once misses the warning about Fahrenheit too."""
         run = heard([HOT, HOT, WARM_F, COOL], right)
         first, *others = run.recording.logs(level=WARN)
         events = [event for event in run.recording.events if event not in others]
@@ -494,14 +472,12 @@ class TestFahrenheit:
         assert why(subscriber.converts_fahrenheit, run).cause_id == 'warns_once'
 
     def test_mistake_in_the_conversion_is_quoted(self):
-        """An error message from Python is not a report of an unknown unit."""
         run = self.refusing('', "unsupported operand type(s) for -: 'str' and 'int'")
 
         assert why(subscriber.converts_fahrenheit, run).cause_id == 'logged_error'
 
 
 def test_warning_of_nan_is_no_wrong_comparison_elsewhere():
-    """All other readings are judged correctly."""
     run = heard([COOL, NAN, HOT], lambda one: [(WARN, 'oh')] if one.odd else right(one))
 
     assert why(subscriber.does_not_warn_about_nan, run).cause_id == 'nan'

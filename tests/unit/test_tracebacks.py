@@ -35,7 +35,6 @@ def ended(stderr, code=CODE):
     ['Exception: unknown unit', 'Exception', '__main__.SensorFault: 3', 'KeyboardInterrupt'],
 )
 def test_an_exception_of_any_name_is_seen(error):
-    """Learners raise Exception, and exceptions of their own with any name."""
     trace = traceback_of(ended(part(error)))
 
     assert trace.error == error
@@ -62,7 +61,6 @@ def test_the_usual_last_line_is_no_exit_of_the_program():
     ],
 )
 def test_of_chained_exceptions_the_last_ended_the_program(between):
-    """The program caught the earlier exceptions."""
     stderr = f'{part("ValueError: no number")}\n{between}\n\n{part("Exception: bad", 4)}'
 
     trace = traceback_of(ended(stderr))
@@ -108,7 +106,6 @@ def test_further_lines_of_a_message_are_no_error():
 
 
 def test_error_that_lost_its_frames_is_seen_all_the_same():
-    """The beginning of a long output is cut off."""
     trace = traceback_of(ended('    x\nValueError: bad\n'))
 
     assert (trace.error, trace.line, trace.place) == ('ValueError: bad', None, None)
@@ -116,7 +113,6 @@ def test_error_that_lost_its_frames_is_seen_all_the_same():
 
 
 def test_suggestion_behind_a_path_is_kept():
-    """The path on this machine is removed from the middle of the message."""
     said = "ImportError: cannot import name 'Nod' from 'rclpy.node'"
     trace = traceback_of(ended(part(f"{said} (/usr/rclpy/node.py). Did you mean: 'Node'?")))
 

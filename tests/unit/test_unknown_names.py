@@ -36,7 +36,6 @@ def at(line, error, above=''):
     ],
 )
 def test_the_import_that_is_missing_is_written_out(line, said, words):
-    """The fix shows the import, and says why an import in a different cell does not help."""
     found = at(line, f'NameError: {said}')
 
     assert found.cause_id == 'missing_import'
@@ -52,7 +51,6 @@ def test_the_import_that_is_missing_is_written_out(line, said, words):
     ],
 )
 def test_name_with_two_origins_is_reported_with_both(name, lines):
-    """Only the learner knows which of the two the line needs."""
     found = at(f'stamp = {name}()', f"NameError: name '{name}' is not defined")
 
     assert all(line in found.try_this for line in lines)
@@ -97,7 +95,6 @@ MAIN = 'class Talker:\n    def main(self):\n        node = 1\n'
     ],
 )
 def test_a_name_that_nothing_made_is_reported_with_what_it_may_be(line, said, above, words):
-    """Python's suggestion is shown, unless the code allows a better one."""
     found = at(line, f'NameError: {said}', above)
 
     assert found.cause_id == 'unknown_name'
@@ -154,7 +151,6 @@ def test_a_name_that_nothing_made_is_reported_with_what_it_may_be(line, said, ab
     ],
 )
 def test_an_import_is_reported_with_the_one_to_write(said, cause_id, words):
-    """If the name is spelled correctly, the feedback does not mention its spelling."""
     kind = 'ModuleNotFoundError' if said.startswith('No') else 'ImportError'
 
     found = at('import x', f'{kind}: {said}')
@@ -165,7 +161,6 @@ def test_an_import_is_reported_with_the_one_to_write(said, cause_id, words):
 
 
 def test_a_name_behind_the_wrong_module_is_reported_with_its_own():
-    """The module rclpy does contain nodes, but not under that name."""
     found = at('rclpy.Node', "AttributeError: module 'rclpy' has no attribute 'Node'")
 
     assert found.cause_id == 'import'
@@ -196,7 +191,6 @@ NO_NAME = "TypeError: Node.__init__() missing 1 required positional argument: 'n
     ],
 )
 def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
-    """A learner who has passed the name to the parent class is not told to pass it."""
     kind = '' if error == NO_NAME else 'TypeError: ' if 'takes' in error else 'AttributeError: '
     found = at('T(1)', kind + error, above)
 
@@ -220,7 +214,6 @@ def test_lines_of_notebooks_are_distinguished_from_slips(line, cause_id):
 
 
 def test_module_of_the_notebook_is_not_said_to_be_misspelled():
-    """A node cannot import this module, however it is spelled."""
     found = at('from roslab import start', "ModuleNotFoundError: No module named 'roslab'")
 
     assert 'works only in the notebook' in found.text
@@ -229,7 +222,6 @@ def test_module_of_the_notebook_is_not_said_to_be_misspelled():
 
 @pytest.mark.parametrize(('owner', 'cause_id'), [('Talker', 'spins_no_node'), ('NoneType', 'no_')])
 def test_node_that_is_to_spin_itself_is_told_the_function(owner, cause_id):
-    """Calling ``spin()`` on None is a different mistake."""
     found = at('node.spin()', f"AttributeError: '{owner}' object has no attribute 'spin'")
 
     assert found.cause_id.startswith(cause_id)

