@@ -1,8 +1,11 @@
 """The files of a message package, and the causes of their failures."""
 
+import re
+
+from handmade_runs import failure
 import pytest
 
-from autograder.exam.exam import Failed, Run
+from autograder.exam.exam import Run
 from autograder.judging.message_package import require_declarations, require_fields, why_no_build
 from autograder.recording import Recording
 from exams.visible import station_message, temperature_message
@@ -54,13 +57,6 @@ DEFAULTS = {
     'default_with_equals': 'float64 temperature = -40.0',
     'other_default': 'float64 temperature -40.0\nfloat32[3] wind [0, 0, 0]',
 }
-
-
-def failure(check, *given):
-    """Return the failure of a check."""
-    with pytest.raises(Failed) as failed:
-        check(*given)
-    return failed.value
 
 
 def station(text):
@@ -142,45 +138,35 @@ class TestStation:
         assert failure(station_message.starts_at_the_lowest, run).why.cause_id == cause
 
 
+MISMATCH = "package name 'b' in '/x' does not match current PROJECT_NAME 'a'. You must"
+NO_IMPORT = 'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
+
+
 class TestBuild:
-    @staticmethod
-    def built(**process):
-        event = {
-            'event': 'process',
-            'exit': 1,
-            'killed': '',
-            'stdout': '',
-            'stderr': '',
-            **process,
-        }
-        return why_no_build(Run({'CMakeLists.txt': 'project(a)\n'}, Recording({}, (event,))))
+    @pytest.mark.parametrize(
+        ('process', 'cause_id', 'words'),
+        [
+            ({'killed': 'cpu_limit', 'stderr': 'CMake Error: half a word'}, 'cpu_limit', '30 s'),
+            # Virtual time stands still during a build, so a limit ends a build that waits.
+            (
+                {'exit': None, 'killed': 'waits_outside'},
+                'waits_outside',
+                'too long for something outside',
+            ),
+            ({'stderr': MISMATCH}, 'name_mismatch', r'^CMakeLists\.txt, line 1: '),
+            # The package builds, but programs cannot import its message.
+            ({'stderr': f'{NO_IMPORT}ModuleNotFoundError: x'}, 'no_messages', ''),
+            ({'stderr': 'foo.c:1:2: error: no such thing\n'}, 'build', 'no such thing'),
+        ],
+    )
+    def test_failed_build_has_its_cause(self, process, cause_id, words):
+        facts = {'exit': 1, 'killed': '', 'stdout': '', 'stderr': '', **process}
+        event = {'event': 'process', **facts}
 
-    def test_a_limit_is_no_error_of_the_tools(self):
-        cause = self.built(killed='cpu_limit', stderr='CMake Error: half a word')
+        cause = why_no_build(Run({'CMakeLists.txt': 'project(a)\n'}, Recording({}, (event,))))
 
-        assert cause.cause_id == 'cpu_limit'
-        assert '30 s' in cause.text
-
-    def test_build_that_waits_forever_is_said_to_wait(self):
-        """Virtual time stands still during a build, so a limit ends a build that waits."""
-        cause = self.built(exit=None, killed='waits_outside')
-
-        assert cause.cause_id == 'waits_outside'
-        assert 'too long for something outside' in cause.text
-
-    def test_a_known_error_is_named_with_its_line(self):
-        said = "package name 'b' in '/x' does not match current PROJECT_NAME 'a'. You must"
-        cause = self.built(stderr=said)
-
-        assert cause.cause_id == 'name_mismatch'
-        assert cause.text.startswith('CMakeLists.txt, line 1: ')
-
-    def test_a_build_that_makes_no_message_is_named(self):
-        said = (
-            'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
-        )
-
-        assert self.built(stderr=f'{said}ModuleNotFoundError: x').cause_id == 'no_messages'
+        assert cause.cause_id == cause_id
+        assert re.search(words, cause.text)
 
     @pytest.mark.parametrize(
         ('target', 'missing'), [('words', False), ('${PROJECT_NAME}', False), ('word', True)]
@@ -195,9 +181,3 @@ class TestBuild:
         failed = failure(temperature_message.generates_the_interface, run)
 
         assert ('"msg/Temperature.msg"' in failed.observed) is missing
-
-    def test_an_unknown_error_is_shown(self):
-        cause = self.built(stderr='foo.c:1:2: error: no such thing\n')
-
-        assert cause.cause_id == 'build'
-        assert 'no such thing' in cause.text

@@ -1,11 +1,10 @@
 """The exam of the safety stop, without a program: its rule, its inputs and its causes."""
 
+from handmade_runs import at, message, run_of, why
 import pytest
 
 from autograder.exam import catalog
-from autograder.exam.exam import Failed, Run
 from autograder.exam.patterns import why_burst_cut
-from autograder.recording import Recording
 from exams.visible import safety_stop
 from exams.visible.safety_stop import (
     Command,
@@ -51,19 +50,15 @@ def test_command_lost_after_a_stop_is_the_cause(at_first):
 def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():
     """If no slip gives all answers, the stop itself is the evidence."""
     events = []
-    for index, one in enumerate(safety_stop.exam.facts['commands'].inputs):
-        data = {'linear': {'x': one.speed}, 'angular': {'z': one.turn}}
-        place = {'clock_ns': index * 10**9, 'after_input': index}
-        events.append({'event': 'input', 'data': data, **place})
+    for index, (speed, turn, _) in enumerate(safety_stop.exam.facts['commands'].inputs):
+        data = {'linear': {'x': speed}, 'angular': {'z': turn}}
+        events.append(at(index, 'input', data=data, after_input=index))
         messages = [data] if index else [data, {'linear': {'x': 0.0}, 'angular': {'z': 0.0}}]
-        for message in messages:
-            events.append({'event': 'message', 'topic': '/cmd_vel', 'data': message, **place})
-    run = Run({}, Recording({}, tuple(events)), safety_stop.exam.facts)
+        events += [message(index, '/cmd_vel', one, after_input=index) for one in messages]
 
-    with pytest.raises(Failed) as failed:
-        safety_stop.passes_commands_on(run)
+    run = run_of(*events, facts=safety_stop.exam.facts)
 
-    assert failed.value.why == safety_stop.WHY['early_stop']
+    assert why(safety_stop.passes_commands_on, run) == safety_stop.WHY['early_stop']
 
 
 def test_repeated_command_is_skipped_with_its_stop():
