@@ -2,9 +2,10 @@
 
 import math
 
+from handmade_runs import at, cause_id_of, failure, message, run_of, why
 import pytest
 
-from autograder.exam.exam import Failed, Run
+from autograder.exam.exam import Run
 from autograder.exam.scenario import RosClock
 from autograder.exam.specification import Specification
 from autograder.judging.judge import closest
@@ -15,14 +16,8 @@ from exams.readings import Reading, slips, warns
 from exams.visible import temperature_publisher as publisher
 from exams.visible import temperature_subscriber as subscriber
 
-ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
 TIMER = 'self.create_timer(1.0, self.publish_reading)\n'
-
-
-def why(check, run):
-    with pytest.raises(Failed) as failed:
-        check(run)
-    return failed.value.why
+SLEEPS = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
 
 
 # -- the publisher --------------------------------------------------------------------------
@@ -38,21 +33,13 @@ def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
 
     :param moments_s: system time [s]; the run lasts ten ROS seconds or eight system seconds
     """
-    events = [{'event': 'mark', 'name': 'minute', 'clock_ns': round(BEGIN_S * 1e9)}]
+    events = [at(BEGIN_S, 'mark', name='minute')]
     for moment_s in moments_s:
-        clock_ns = round(moment_s * 1e9)
-        sec, nanosec = divmod(stamp(clock_ns), 10**9)
-        events.append(
-            {
-                'event': 'message',
-                'topic': publisher.TOPIC,
-                'listener': None,
-                'clock_ns': clock_ns,
-                'data': {'timestamp': {'sec': sec, 'nanosec': nanosec}},
-            }
-        )
+        sec, nanosec = divmod(stamp(round(moment_s * 1e9)), 10**9)
+        data = {'timestamp': {'sec': sec, 'nanosec': nanosec}}
+        events.append(message(moment_s, publisher.TOPIC, data, listener=None))
     facts = {'seconds': 10, 'clock': CLOCK}
-    return Run({'temp_publisher.py': code}, Recording({}, (*events, *ENDS)), facts)
+    return run_of(*events, code=code, file='temp_publisher.py', facts=facts)
 
 
 def every(ros_s, begin_s=0.8, until_s=BEGIN_S + 8.0):
@@ -87,16 +74,15 @@ class TestRhythm:
         ],
     )
     def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
-        with pytest.raises(Failed) as failed:
-            publisher.publishes_once_per_second(published(moments_s))
+        failed = failure(publisher.publishes_once_per_second, published(moments_s))
 
-        assert (failed.value.why.cause_id if failed.value.why else '') == cause_id
-        assert failed.value.observed.startswith(observed)
+        assert (failed.why.cause_id if failed.why else '') == cause_id
+        assert failed.observed.startswith(observed)
 
     @pytest.mark.parametrize(
         ('code', 'cause_id'),
         [
-            (f'{TIMER}def publish_reading(self):\n    time.sleep(2)', 'sleeps_in_callback'),
+            (SLEEPS, 'sleeps_in_callback'),
             ('while True:\n    rclpy.spin_once(node, timeout_sec=1.0)', 'paced_by_spin_once'),
             (f'{TIMER}clock = Clock(clock_type=ClockType.STEADY_TIME)', 'wrong_rate'),
         ],
@@ -107,49 +93,33 @@ class TestRhythm:
         assert found.cause_id == cause_id
 
 
-class TestStamps:
+LATE = every(1.0, 1.6)
+
+
+@pytest.mark.parametrize(
+    ('moments_s', 'code', 'stamp', 'cause_id'),
+    [
+        (every(1.0), '', CLOCK.at, None),
+        # The previous step is correct too, if a step and the message coincide.
+        (every(1.0), '', lambda now: CLOCK.at(now) - 10**8, None),
+        # The clock shows zero only before its first step.
+        ([0.2, *every(1.0)], '', lambda now: CLOCK.at(now) * (now > 3 * 10**8), None),
+        ([0.2, *every(1.0)], '', lambda now: CLOCK.at(now) * (now > 9 * 10**8), 'missing_stamp'),
+        (every(2.0), SLEEPS, lambda now: CLOCK.at(now) - 2 * 10**9, 'sleeps_in_callback'),
+        (every(1.0), '', lambda now: CLOCK.at(now - round(10**9 / CLOCK.rate)), 'prepared_stamp'),
+        (LATE, '', lambda now: now, 'stale_stamp'),
+        (LATE, '', lambda now: CLOCK.at(now) - 2 * 10**8, 'stale_stamp'),
+        (LATE, '', lambda now: CLOCK.at(now) + 10**8, 'stale_stamp'),
+        (LATE, '', lambda now: CLOCK.at(now) + 1, 'stale_stamp'),
+        (LATE, '', lambda now: CLOCK.at(now) // 10**9 * 10**9, 'nanoseconds'),
+        (LATE, '', lambda now: 1_790_000_000 * 10**9 + now, 'wall_clock'),
+    ],
+)
+def test_stamp_has_to_be_the_last_step_of_the_clock(moments_s, code, stamp, cause_id):
     """Between two steps, the clock does not advance."""
+    run = published(moments_s, code, stamp)
 
-    @pytest.mark.parametrize('steps', [0, 1])
-    def test_reported_step_is_the_time(self, steps):
-        """The time of the previous step is correct too, if a step and the message coincide."""
-        run = published(every(1.0), stamp=lambda now: CLOCK.at(now) - steps * 10**8)
-
-        publisher.stamps_follow_the_clock(run)
-
-    def test_clock_shows_zero_before_its_first_step_alone(self):
-        early = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 3 * 10**8))
-        late = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 9 * 10**8))
-
-        publisher.stamps_follow_the_clock(early)
-        assert why(publisher.stamps_follow_the_clock, late).cause_id == 'missing_stamp'
-
-    def test_sleep_between_stamp_and_message_is_reported(self):
-        code = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
-        run = published(every(2.0), code, stamp=lambda now: CLOCK.at(now) - 2 * 10**9)
-
-        assert why(publisher.stamps_follow_the_clock, run).cause_id == 'sleeps_in_callback'
-
-    def test_message_that_is_stamped_one_message_earlier_is_reported(self):
-        run = published(every(1.0), stamp=lambda now: CLOCK.at(now - round(10**9 / CLOCK.rate)))
-
-        assert why(publisher.stamps_follow_the_clock, run).cause_id == 'prepared_stamp'
-
-    @pytest.mark.parametrize(
-        ('stamp', 'cause_id'),
-        [
-            (lambda now: now, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) - 2 * 10**8, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) + 10**8, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) + 1, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) // 10**9 * 10**9, 'nanoseconds'),
-            (lambda now: 1_790_000_000 * 10**9 + now, 'wall_clock'),
-        ],
-    )
-    def test_stamp_of_another_time_is_wrong(self, stamp, cause_id):
-        run = published(every(1.0, 1.6), stamp=stamp)
-
-        assert why(publisher.stamps_follow_the_clock, run).cause_id == cause_id
+    assert cause_id_of(publisher.stamps_follow_the_clock, run) == cause_id
 
 
 @pytest.mark.parametrize(('count', 'judged'), [(1, False), (2, True)])
@@ -159,8 +129,7 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
     if judged:
         assert len(publisher.enough_readings(run)) == count
     else:
-        with pytest.raises(Failed):
-            publisher.enough_readings(run)
+        failure(publisher.enough_readings, run)
 
 
 @pytest.mark.parametrize(
@@ -194,23 +163,11 @@ def heard(readings, answer, code='', secret=False, printed=''):
     """Return a run of the subscriber, which logs a function's result for each reading."""
     events = []
     for number, reading in enumerate(readings):
-        sent = {'event': 'input', 'index': number, 'clock_ns': number}
-        events.append({**sent, 'data': reading.message(number)})
-        events += [
-            {
-                'event': 'log',
-                'name': 'temperature_subscriber',
-                'level': level,
-                'text': text,
-                'after_input': number,
-                'clock_ns': number,
-            }
-            for level, text in answer(reading)
-        ]
-    asked = Specification(readings, warns(), slips())
-    facts = {'secret': secret, 'warnings': asked}
-    ends = (ENDS[0], {**ENDS[1], 'stdout': printed})
-    return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ends)), facts)
+        events.append(at(number, 'input', index=number, data=reading.message(number)))
+        line = at(number, 'log', name='temperature_subscriber', after_input=number)
+        events += [{**line, 'level': level, 'text': text} for level, text in answer(reading)]
+    facts = {'secret': secret, 'warnings': Specification(readings, warns(), slips())}
+    return run_of(*events, code=code, file='temp_subscriber.py', facts=facts, stdout=printed)
 
 
 def right(reading):
@@ -242,10 +199,10 @@ EDGE = Reading(30.0, 'a reading of exactly the limit')
 def ended(readings, sent, answer):
     """Return a run in which an exception ends the program at the last reading that is sent."""
     run = heard(readings[:sent], answer)
-    process = {**ENDS[1], 'exit': 1, 'stdout': '', 'stderr': STDERR}
-    events = [*run.recording.events[:-2], {**ENDS[0], 'reason': 'student_exited'}, process]
     asked = Specification(readings, warns(), slips())
-    return Run(run.files, Recording({}, events), {**run.facts, 'warnings': asked})
+    facts = {**run.facts, 'warnings': asked}
+    done = {'reason': 'student_exited', 'exit': 1, 'stderr': STDERR}
+    return run_of(*run.recording.events[:-2], file='temp_subscriber.py', facts=facts, **done)
 
 
 class TestEndOfTheProgram:
@@ -282,11 +239,10 @@ class TestEndOfTheProgram:
     def test_reading_that_was_not_sent_is_marked_and_said(self):
         run = ended([COOL, HOT, EDGE, ODD, COOL], 4, at_or_above)
 
-        with pytest.raises(
-            Failed, match='which was not sent, because the run had ended'
-        ) as failed:
-            subscriber.logs_every_reading(run)
-        assert failed.value.place == 4
+        failed = failure(subscriber.logs_every_reading, run)
+
+        assert 'which was not sent, because the run had ended' in str(failed)
+        assert failed.place == 4
 
 
 def at_or_above(reading):
