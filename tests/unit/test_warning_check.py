@@ -3,14 +3,13 @@
 from dataclasses import replace
 import json
 
+from handmade_runs import at, message, run_of
 import pytest
 
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
-from autograder.exam.exam import Run
 from autograder.exam.specification import Slip
 from autograder.judging.judge import judge
-from autograder.recording import Recording
 from autograder.results import Verdict
 from autograder.simulated import Simulation
 from exams.visible import warning_check
@@ -18,21 +17,23 @@ from exams.visible.warning_check import celsius, made_run
 
 EXAM = warning_check.exam
 RUNS = EXAM.asks['answers'].inputs
-ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stderr': ''})
-SENTENCES = [check.name for check in EXAM.checks]
 
 
-def results(answers, exam=EXAM, stderr=''):
+def results(answers, exam=EXAM):
     """Return the exam's results for these answers, by check."""
     events = []
     for place, answer in enumerate(answers):
-        events.append({'event': 'input', 'index': place, 'data': {}, 'clock_ns': place})
+        events.append(at(place, 'input', index=place, data={}))
         facts = {'topic': warning_check.ANSWERS, 'listener': None, 'after_input': place}
         texts = answer if isinstance(answer, tuple) else (str(answer),)
-        events += [{'event': 'message', 'data': {'data': one}, **facts} for one in texts]
-    end, process = ENDS
-    run = Run({}, Recording({}, (*events, end, {**process, 'stderr': stderr})), exam.facts)
-    return {one.check: one for one in judge(exam, run)}
+        events += [message(place, data={'data': one}, **facts) for one in texts]
+    return {one.check: one for one in judge(exam, run_of(*events, facts=exam.facts))}
+
+
+def accepting(cause_id, exam=EXAM):
+    """Return the right answers, except for True if a node has this slip."""
+    slips = [one.slip for one in exam.asks['answers'].inputs]
+    return [slip is None or slip.cause_id == cause_id for slip in slips]
 
 
 def of_rule(rule, exam=EXAM):
@@ -74,7 +75,7 @@ def test_check_with_a_mistake_of_a_node_is_located_like_the_node():
 
 
 def test_missed_run_is_explained_by_what_its_node_does():
-    missed = [one.slip is None or one.slip.cause_id == 'nan' for one in RUNS]
+    missed = accepting('nan')
     # Add another mistake, so that no slip of a check explains both.
     missed[5] = False
     found = results(missed)['refuses_other_warnings']
@@ -95,22 +96,15 @@ def test_no_mistake_of_a_node_reads_as_the_learners():
     assert not [text for text in texts if 'your' in text.lower()]
 
 
-def test_warning_that_comes_a_reading_late_is_explained():
-    missed = [one.slip is None or one.slip.cause_id == 'one_late' for one in RUNS]
-    missed[5] = False
-    found = results(missed)
-
-    assert 'accepts_one_late' in {one.cause_id for one in found.values()}
-
-
-def test_warning_some_time_after_its_reading_is_explained():
-    exam = catalog.load('warning_check')
-    runs = exam.asks['answers'].inputs
-    answers = [one.slip is None or one.slip.cause_id == 'warns_later' for one in runs]
+@pytest.mark.parametrize(
+    ('exam', 'slip'), [(EXAM, 'one_late'), (catalog.load('warning_check'), 'warns_later')]
+)
+def test_late_warning_is_explained(exam, slip):
+    answers = accepting(slip, exam)
     answers[answers.index(True)] = False
     found = results(answers, exam)
 
-    assert 'accepts_warns_later' in {one.cause_id for one in found.values()}
+    assert f'accepts_{slip}' in {one.cause_id for one in found.values()}
 
 
 def test_graded_exam_names_no_place_and_no_value():
@@ -142,12 +136,8 @@ def test_what_is_sent_does_not_tell_right_runs_from_wrong_ones():
 
 def test_graded_exam_asks_about_slips_that_learners_do_not_see():
     visible, hidden = (
-        {
-            one.slip.cause_id
-            for one in catalog.load('warning_check', hide).asks['answers'].inputs
-            if one.slip
-        }
-        for hide in (False, True)
+        {one.slip.cause_id for one in exam.asks['answers'].inputs if one.slip}
+        for exam in (EXAM, catalog.load('warning_check'))
     )
 
     assert visible < hidden
