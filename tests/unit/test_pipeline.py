@@ -1,69 +1,24 @@
 """Grade a class in parallel: each submission gets its own result, whatever others do."""
 
-from dataclasses import dataclass
+import json
 from pathlib import Path
 import threading
 
+from fake_grading import answer, FakeEngine, FakeExam
 import pytest
 
-from autograder.errors import GraderError, ProbeFailed
+from autograder.errors import GraderError
 from autograder.explaining.feedback import headline
 from autograder.grading.pipeline import grade_class, grade_opened, Lesson, open_one
-from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.submission.inbox import Submission
-from autograder.submission.notebook import Notebook
 
-RELEASE: Notebook = {
-    'cells': [
-        {
-            'cell_type': 'code',
-            'metadata': {'nbgrader': {'grade_id': 'talker', 'solution': True}},
-            'source': '%%node talker\n# YOUR CODE HERE',
-        }
-    ],
-    'metadata': {},
-}
-
-
-@dataclass(frozen=True)
-class FakeExam:
-    """The parts of an exam that the pipeline needs."""
-
-    name: str
-    cells: tuple[str, ...] = ('talker',)
-
-
-class FakeEngine:
-    """Gives a point for the word "right", and raises an error for some other words."""
-
-    def __init__(self):
-        self.threads = set()
-
-    def run(self, exam, files):
-        """Return a result that depends on the words in the files."""
-        self.threads.add(threading.current_thread().name)
-        text = ''.join(files.values())
-        if 'probe' in text and exam.name == 'first':
-            raise ProbeFailed('The probe broke off.', 'Again.')
-        if 'bug' in text:
-            raise ZeroDivisionError('oops')
-        if 'stop' in text:
-            raise KeyboardInterrupt
-        verdict = Verdict.PASSED if 'right' in text else Verdict.FAILED
-        points = float('right' in text)
-        return ExamResult(exam.name, (CheckResult('c', 'C.', verdict, points, 1),))
-
-
+RELEASE = {'cells': [answer('# YOUR CODE HERE')], 'metadata': {}}
 LESSON = Lesson('01', 'talker.ipynb', RELEASE, (FakeExam('first'), FakeExam('second')))
 
 
 def handed_in(student, word):
     """Return a submission whose answer is one word."""
-    text = (
-        '{"cells": [{"cell_type": "code", "metadata": {"nbgrader": {"grade_id": "talker"}},'
-        f' "source": "%%node talker\\n{word}"}}]}}'
-    )
-    return Submission(student, Path('x'), text.encode())
+    return Submission(student, Path('x'), json.dumps({'cells': [answer(word)]}).encode())
 
 
 def points(graded):

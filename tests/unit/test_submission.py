@@ -2,6 +2,7 @@
 
 import json
 
+from fake_grading import answer, cell
 import pytest
 
 from autograder.results import Problem, SubmissionResult
@@ -10,19 +11,13 @@ from autograder.submission.notebook import read_notebook, StudentCell
 from autograder.submission.submission import open_submission, rebuild
 
 
-def cell(grade_id='', source='', kind='code', **marks):
-    metadata = {'nbgrader': {'grade_id': grade_id, **marks}} if grade_id else {}
-    more = {'outputs': [], 'execution_count': None} if kind == 'code' else {}
-    return {'cell_type': kind, 'metadata': metadata, 'source': source, **more}
-
-
 @pytest.fixture
 def release():
     """Return a release with one node, one check and one question."""
     return {
         'cells': [
             cell(source='# Title', kind='markdown'),
-            cell('talker', '%%node talker\n# YOUR CODE HERE', solution=True),
+            answer('# YOUR CODE HERE'),
             cell('check_talker', "check('talker')", grade=True, locked=True, points=3),
             cell('why', 'YOUR ANSWER HERE', 'markdown', solution=True, grade=True, points=2),
         ],
