@@ -12,7 +12,7 @@ from rich.console import Console
 from autograder.classroom import pages as report
 from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import page_name, print_table, write_all_reports
-from autograder.explaining.feedback import exam_text, headline, printable
+from autograder.explaining.feedback import headline, printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
@@ -51,36 +51,31 @@ def read(path):
     return BeautifulSoup(path.read_text(encoding='utf-8'), 'html.parser')
 
 
+def page_of_ann(folder, result):
+    """Return the text of ann's page."""
+    return read(written(folder, [result]).parent / page_name('ann')).text
+
+
 def links_of(path):
     parts = read(path)
     return [one['href'] for one in parts(href=True)] + [one['src'] for one in parts(src=True)]
 
 
+def results_of(class_page):
+    """Return the results that other programs can read."""
+    data = json.loads((class_page.parent / 'results.json').read_text(encoding='utf-8'))
+    return [SubmissionResult.from_json(one) for one in data]
+
+
 class TestPages:
-    def test_a_failed_check_says_all_five_things(self, tmp_path):
-        class_page = written(tmp_path, [submission()])
+    def test_a_students_page_has_all_facts_and_verdicts_that_are_words(self, tmp_path):
+        checks, _, about = page_of_ann(tmp_path, submission()).partition('About the grading')
 
-        text = read(class_page.parent / page_name('ann')).text
-        for part in ('It warns.', 'one warning', 'none', 'a typo', 'look again', 'Part 2'):
-            assert part in text
-
-    def test_the_verdict_is_a_word_and_not_only_a_colour(self, tmp_path):
-        class_page = written(tmp_path, [submission()])
-
-        text = read(class_page.parent / page_name('ann')).text
-        assert 'Passed:' in text
-        assert 'Failed:' in text
-        assert 'Not checked:' in text
-        assert 'waits forIt warns.' in text
-
-    def test_mode_timing_and_flags_stand_apart(self, tmp_path):
-        class_page = written(tmp_path, [submission()])
-
-        text = read(class_page.parent / page_name('ann')).text
-        about = text.partition('About the grading')[2]
-        assert 'bwrap-user' in about
-        assert 'run for 0.5 s' in about
-        assert 'Flag: odd' in about
+        facts = ('It warns.', 'one warning', 'none', 'a typo', 'look again', 'Part 2')
+        for part in (*facts, 'Passed:', 'Failed:', 'Not checked:', 'waits forIt warns.'):
+            assert part in checks
+        for part in ('bwrap-user', 'run for 0.5 s', 'Flag: odd'):
+            assert part in about
 
     @pytest.mark.parametrize('place', ['student', 'observed', 'problem', 'fault', 'flag'])
     def test_hostile_words_stay_words(self, tmp_path, place):
@@ -115,7 +110,7 @@ class TestPages:
 
         assert 'for review' in read(class_page).text
         assert '2 of 6' not in read(class_page).text
-        page = read(class_page.parent / page_name('ann')).text
+        page = page_of_ann(tmp_path, submission(fault='probe broke'))
         assert 'no score yet' in page
         assert '2 of 6' not in page
 
@@ -128,10 +123,9 @@ class TestPages:
     def test_names_are_with_their_ids_and_not_on_a_students_page(self, tmp_path):
         """Learning platforms may use numbers as ids."""
         save_collected(Layout(tmp_path), [Work('ann', person='Ann <b>Example')])
-        class_page = written(tmp_path, [submission()])
 
-        assert 'ann (Ann <b>Example)' in read(class_page).text
-        assert 'Example' not in read(class_page.parent / page_name('ann')).text
+        assert 'ann (Ann <b>Example)' in read(written(tmp_path, [submission()])).text
+        assert 'Example' not in page_of_ann(tmp_path, submission())
 
     def test_the_results_are_there_whenever_writing_ends(self, tmp_path, monkeypatch):
         """Other commands need the results, so they are saved before the pages."""
@@ -144,14 +138,20 @@ class TestPages:
         with pytest.raises(KeyboardInterrupt):
             written(tmp_path, [submission('new')])
 
-        data = json.loads((class_page.parent / 'results.json').read_text(encoding='utf-8'))
-        assert [one['student'] for one in data] == ['new']
+        assert [one.student for one in results_of(class_page)] == ['new']
 
     def test_the_results_are_kept_as_data(self, tmp_path):
-        class_page = written(tmp_path, [submission()])
+        result = submission(problems=(Problem('x', 'a', 'b', 'c', ('talker',)),), fault='broken')
 
-        data = json.loads((class_page.parent / 'results.json').read_text(encoding='utf-8'))
-        assert SubmissionResult.from_json(data[0]) == submission()
+        (found,) = results_of(written(tmp_path, [result]))
+
+        assert found == result
+        assert all(isinstance(one.verdict, Verdict) for one in found.exams[0].checks)
+
+    def test_points_and_flags_of_all_exams_are_combined(self):
+        result = replace(submission(), exams=submission().exams * 2)
+
+        assert (result.points, result.max_points, result.flags) == (4, 12, ('odd',))
 
     def test_no_id_of_a_page_is_repeated(self, tmp_path):
         """Two checks may have the same picture, which names its title by an id."""
@@ -217,15 +217,6 @@ class TestTable:
 
 
 class TestWords:
-    def test_the_text_of_an_exam_has_a_line_for_each_fact(self):
-        lines = exam_text(submission().exams[0]).splitlines()
-
-        assert lines[0] == '2 of 6 points'
-        assert '[pass] It runs. (2 of 2)' in lines
-        assert '[FAIL] It warns. (0 of 3)' in lines
-        assert '       likely cause: a typo' in lines
-        assert '       waits for: It warns.' in lines
-
     def test_control_characters_are_replaced(self):
         assert printable('a\x1b[1mb\n\tc\x00') == 'a\ufffd[1mb\n\tc\ufffd'
 
