@@ -77,12 +77,10 @@ def test_package_name_can_be_chosen(monkeypatch, tmp_path):
     assert learner_package().folder == tmp_path / 'ros_ws/src/num_pkg'
 
 
-def run(code, tmp_path, deadline_s=20.0):
+def run(code, tmp_path, deadline_s=20.0, **options):
     """Run a line of Python in a child process."""
-    command = [sys.executable, '-c', code]
-    return run_command.run(
-        command, cwd=tmp_path, env=os.environ, deadline_s=deadline_s, tick_s=0.05
-    )
+    facts = {'cwd': tmp_path, 'env': os.environ, 'tick_s': 0.05, **options}
+    return run_command.run([sys.executable, '-c', code], deadline_s=deadline_s, **facts)
 
 
 def test_child_returns_its_output_and_code(tmp_path):
@@ -112,6 +110,22 @@ def test_long_output_is_cut_at_its_beginning(tmp_path):
 
     assert len(outcome.output) <= 2_000_000
     assert outcome.output.endswith('end\n')
+
+
+def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
+    seen = []
+
+    def on_tick(seconds, output):
+        seen.append(output)
+        if '[1/2]' in output:
+            (tmp_path / 'go').touch()
+
+    waits = 'while not os.path.exists("go"): time.sleep(0.01)'
+    code = f'import os, time\nprint("[1/2]", flush=True)\n{waits}\nprint(2)'
+    outcome = run(code, tmp_path, deadline_s=60.0, on_tick=on_tick, tick_s=0.01)
+
+    assert '[1/2]\n' in seen
+    assert (outcome.returncode, outcome.output) == (0, '[1/2]\n2\n')
 
 
 @pytest.mark.parametrize('folder', ['/', '/tmp', '/nowhere/a/b/c'])

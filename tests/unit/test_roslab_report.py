@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 import json
-import os
 
 import pytest
 
 from autograder.exam import catalog
 from autograder.results import CheckResult, ExamResult, Problem, Verdict
-from roslab import checking, messages, run_command
+from roslab import checking, messages
 from roslab.report import CheckReport
 from roslab.run_command import Outcome
 
@@ -155,25 +154,3 @@ def test_missing_files_are_named_with_their_folder_and_the_cells_to_run():
 def test_progress_of_a_build_is_its_last_mark(output, how_far):
     """Ninja counts its steps, make prints a percentage, and CMake prints neither."""
     assert messages._progress(output) == how_far
-
-
-def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
-    seen = []
-
-    def on_tick(seconds, output):
-        seen.append(output)
-        if '[1/2]' in output:
-            (tmp_path / 'go').touch()
-
-    script = 'echo "[1/2] one"; until test -e go; do sleep 0.01; done; echo "[2/2] two"'
-    outcome = run_command.run(
-        ['sh', '-c', script],
-        cwd=tmp_path,
-        env=os.environ,
-        deadline_s=60.0,
-        on_tick=on_tick,
-        tick_s=0.01,
-    )
-
-    assert '[1/2] one\n' in seen
-    assert (outcome.returncode, outcome.output) == (0, '[1/2] one\n[2/2] two\n')
