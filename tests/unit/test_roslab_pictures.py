@@ -1,6 +1,7 @@
 """roslab's layouts, pictures and texts, made from plain data."""
 
 import html
+from itertools import combinations, pairwise
 import json
 import math
 import re
@@ -36,7 +37,7 @@ from roslab.graph_picture import Graph
 from roslab.plot_picture import Curve, curve_html, curve_text
 from roslab.timeline_picture import timeline
 
-STRING = 'std_msgs/msg/String'
+STRING, INT = 'std_msgs/msg/String', 'std_msgs/msg/Int32'
 RELIABLE = QoSProfile(depth=10)
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 LASTING = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -46,13 +47,11 @@ def end(node, kind=STRING, qos=RELIABLE):
     return Endpoint(node, kind, qos)
 
 
-def chatter(publishers, subscriptions, nodes=(), everything=False):
+def chatter(publishers, subscriptions, nodes=()):
     """Return the facts of a graph with one topic."""
-    ends = (*publishers, *subscriptions)
-    names = sorted({*nodes, *(e.node for e in ends if everything or not e.hidden)})
-    return Facts(
-        tuple(names), (Topic('/chatter', tuple(publishers), tuple(subscriptions)),), everything
-    )
+    names = {*nodes, *(one.node for one in (*publishers, *subscriptions) if not one.hidden)}
+    topic = Topic('/chatter', tuple(publishers), tuple(subscriptions))
+    return Facts(tuple(sorted(names)), (topic,), False)
 
 
 def drawing(page):
@@ -72,47 +71,34 @@ def test_connected_pair_is_one_line_of_text_and_has_no_dashes():
     assert 'stroke-dasharray' not in graph._repr_html_()
 
 
+DEADLINE = QoSProfile(depth=1, deadline=Duration(seconds=0.5))
+WANTS_RELIABLE = 'reliability: offers BEST_EFFORT, wants RELIABLE'
+WANTS_LASTING = 'durability: offers VOLATILE, wants TRANSIENT_LOCAL'
+
+
 @pytest.mark.parametrize(
-    ('publisher', 'subscription', 'reason'),
+    ('publishers', 'subscriptions', 'reason'),
     [
-        (end('/a'), None, 'nobody subscribes'),
-        (None, end('/b'), 'nobody publishes'),
+        ([end('/a')], [], 'nobody subscribes'),
+        ([], [end('/b')], 'nobody publishes'),
+        ([end('/a')], [end('/b', INT)], f'type differs: {STRING} | {INT}'),
+        ([end('/a', qos=BEST_EFFORT)], [end('/b')], WANTS_RELIABLE),
+        ([end('/a')], [end('/b', qos=DEADLINE)], 'deadline: offers none, wants 0.5 s'),
         (
-            end('/a'),
-            end('/b', 'std_msgs/msg/Int32'),
-            'type differs: std_msgs/msg/String | std_msgs/msg/Int32',
-        ),
-        (
-            end('/a', qos=BEST_EFFORT),
-            end('/b'),
-            'reliability: offers BEST_EFFORT, wants RELIABLE',
-        ),
-        (
-            end('/a'),
-            end('/b', qos=QoSProfile(depth=1, deadline=Duration(seconds=0.5))),
-            'deadline: offers none, wants 0.5 s',
-        ),
-        (
-            end('/a', qos=BEST_EFFORT),
-            end('/b', qos=LASTING),
-            'reliability: offers BEST_EFFORT, wants RELIABLE; '
-            'durability: offers VOLATILE, wants TRANSIENT_LOCAL',
+            [end('/a', qos=BEST_EFFORT)],
+            [end('/b', qos=LASTING)],
+            f'{WANTS_RELIABLE}; {WANTS_LASTING}',
         ),
     ],
 )
-def test_endpoint_without_a_match_is_dashed_and_says_why(publisher, subscription, reason):
-    graph = Graph(
-        chatter(
-            [publisher] if publisher else [],
-            [subscription] if subscription else [],
-        )
-    )
+def test_endpoint_without_a_match_is_dashed_and_says_why(publishers, subscriptions, reason):
+    graph = Graph(chatter(publishers, subscriptions))
     page = graph._repr_html_()
 
     assert reason in str(graph)
     assert '- ->' in str(graph)
     assert reason in ' '.join(words(page))
-    assert page.count('stroke-dasharray') == sum(e is not None for e in (publisher, subscription))
+    assert page.count('stroke-dasharray') == len(publishers) + len(subscriptions)
 
 
 def test_fitting_qos_that_is_not_equal_is_no_mismatch():
@@ -138,11 +124,11 @@ def test_listener_of_the_notebook_is_not_drawn_but_counts():
 
 
 def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
-    facts = chatter([end('/a', qos=BEST_EFFORT)], [end('/_roslab')])
+    (edge, *_) = chatter([end('/a', qos=BEST_EFFORT)], [end('/_roslab')]).edges
 
-    assert not facts.edges[0].matched
-    assert 'reliability' in facts.edges[0].remark
-    assert 'this notebook' in facts.edges[0].remark
+    assert not edge.matched
+    assert 'reliability' in edge.remark
+    assert 'this notebook' in edge.remark
 
 
 def test_topic_on_which_only_the_notebook_listens_is_drawn_as_lonely():
@@ -161,12 +147,11 @@ def test_names_from_other_programs_are_text_never_markup():
 
 
 def test_two_nodes_of_one_name_and_an_idle_one_are_reported():
-    facts = Facts(('/idle', '/twin', '/twin'), ())
+    graph = Graph(Facts(('/idle', '/twin', '/twin'), ()))
 
-    text = str(Graph(facts))
-    assert text.splitlines()[:2] == ['/idle', '/twin (2 nodes)']
-    assert 'Seen now: 3 nodes, 0 topics' in text
-    assert '/twin (2 nodes)' in words(Graph(facts)._repr_html_())
+    assert str(graph).splitlines()[:2] == ['/idle', '/twin (2 nodes)']
+    assert 'Seen now: 3 nodes, 0 topics' in str(graph)
+    assert '/twin (2 nodes)' in words(graph._repr_html_())
 
 
 def test_empty_graph_says_that_nothing_is_seen():
@@ -198,7 +183,7 @@ def table(page):
 
 
 def test_picture_has_its_data_in_a_table():
-    seen = Graph(chatter([end('/talker')], [end('/ear', 'std_msgs/msg/Int32')], ['/idle']))
+    seen = Graph(chatter([end('/talker')], [end('/ear', INT)], ['/idle']))
     head, *rows = table(seen._repr_html_())
     names, *values = table(curve_html(Curve('/t value', ((0.5, 1.0), (1.0, 3.0)), 2.0, 2.0)))
 
@@ -224,40 +209,18 @@ def test_table_of_a_long_curve_is_short_and_keeps_its_peak():
     assert ['77.70', '100'] in rows
 
 
-SIZES = {
-    'a': (80, 30),
-    'b': (80, 30),
-    'c': (80, 30),
-    'd': (80, 30),
-    'T1': (120, 40),
-    'T2': (140, 40),
-    'T3': (90, 70),
-}
-ARROWS = [
-    ('a', 'T1'),
-    ('b', 'T1'),
-    ('T1', 'c'),
-    ('c', 'T2'),
-    ('T2', 'd'),
-    ('a', 'T3'),
-    ('T3', 'd'),
-    ('d', 'T2'),
-    ('d', 'T1'),
-]
+SIZES = dict.fromkeys('abcd', (80, 30)) | {'T1': (120, 40), 'T2': (140, 40), 'T3': (90, 70)}
+PATHS = ('a T1 c T2 d T1', 'b T1', 'a T3 d T2')
+ARROWS = [arrow for path in PATHS for arrow in pairwise(path.split())]
 
 
 def test_boxes_do_not_overlap_and_lines_end_on_their_boxes():
     layout = arrange(SIZES, ARROWS, frozenset({'T1', 'T2', 'T3'}))
-    spots = list(layout.spots.values())
 
-    for index, one in enumerate(spots):
-        for other in spots[index + 1 :]:
-            apart_x = abs(one.x + one.width / 2 - other.x - other.width / 2)
-            apart_y = abs(one.y - other.y)
-            assert (
-                apart_x >= (one.width + other.width) / 2
-                or apart_y >= (one.height + other.height) / 2
-            )
+    for one, other in combinations(layout.spots.values(), 2):
+        apart_x = abs(one.x + one.width / 2 - other.x - other.width / 2)
+        beside = apart_x >= (one.width + other.width) / 2
+        assert beside or abs(one.y - other.y) >= (one.height + other.height) / 2
     assert set(layout.routes) == set(ARROWS)
     for (start, stop), points in layout.routes.items():
         for key, (x, y) in ((start, points[0]), (stop, points[-1])):
@@ -308,14 +271,10 @@ def test_timeline_compares_a_simulation_with_a_live_plot():
 
 
 def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
-    line = timeline(
-        listener('/a', 0.0, [0.0, 1.0, 2.0]), marks={'stopped': [1.5], 'started': [1.8]}
-    )
-    page = line._repr_html_()
-    shapes = {
-        re.sub(r'[-\d. ]+', '', e.get('d'))
-        for e in drawing(page).iter('{http://www.w3.org/2000/svg}path')
-    }
+    marks = {'stopped': [1.5], 'started': [1.8]}
+    page = timeline(listener('/a', 0.0, [0.0, 1.0, 2.0]), marks=marks)._repr_html_()
+    paths = drawing(page).iter('{http://www.w3.org/2000/svg}path')
+    shapes = {re.sub(r'[-\d. ]+', '', one.get('d')) for one in paths}
 
     assert len(re.findall(r'M[\d.]+ [\d.]+v18', page)) == 3
     assert len(shapes) == 3
@@ -373,10 +332,11 @@ def curve(*values, threshold=None):
 
 
 def test_values_above_the_threshold_have_another_shape_and_are_counted():
-    page = curve_html(curve(29, 30, 31, threshold=30.0))
+    made = curve(29, 30, 31, threshold=30.0)
+    page = curve_html(made)
 
     assert page.count('<path') - page.count('a2.5 2.5') == 1
-    assert '1 above the threshold 30' in curve_text(curve(29, 30, 31, threshold=30.0))
+    assert '1 above the threshold 30' in curve_text(made)
     assert 'dashed: threshold 30' in words(page)
     assert 'stroke-dasharray' in page
 
@@ -405,11 +365,8 @@ def test_plot_without_messages_says_that_it_waits():
 
 
 def test_plot_of_many_values_stays_small_and_keeps_the_extremes():
-    values = [0.0] * 10_000
-    values[7_777] = 9.0
-    page = curve_html(
-        Curve('/t data', tuple((i / 1000, v) for i, v in enumerate(values)), 20.0, 5)
-    )
+    points = tuple((number / 1000, 9.0 * (number == 7_777)) for number in range(10_000))
+    page = curve_html(Curve('/t data', points, 20.0, 5))
 
     assert len(page) < 40_000
     assert page.count('<path') == 1
