@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from builtin_interfaces.msg import Time
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Empty, Float64MultiArray, Header, String
 
@@ -161,9 +162,7 @@ def test_qos_for_publishers_hears_all(publishers, reliability, durability, lines
 
 
 def test_fill_sets_nested_fields_arrays_and_the_time():
-    array, now = Float64MultiArray(), Header().stamp
-    now.sec = 5
-    header, text = Header(), String()
+    array, header, text, now = Float64MultiArray(), Header(), String(), Time(sec=5)
     layout = '{data: [1, 2.5], layout: {dim: [{label: x, size: 2}], data_offset: 1}}'
 
     topic_pub.fill(array, topic_pub.parsed(layout))
@@ -262,8 +261,7 @@ def new_package(build_type, node='speak'):
 
 @pytest.mark.parametrize('build_type', ['ament_cmake', 'ament_python'])
 def test_manifest_of_a_new_package_is_right(build_type):
-    write = {'ament_cmake': pkg_files.ament_cmake_files}
-    files = write.get(build_type, pkg_files.ament_python_files)(new_package(build_type))
+    files = getattr(pkg_files, f'{build_type}_files')(new_package(build_type))
     root = ElementTree.fromstring(files['package.xml'])
 
     assert root.findtext('description') == "A & B's <thing>"
@@ -285,12 +283,10 @@ def test_python_files_compile_and_name_the_program():
 
 
 def test_pkg_create_refuses_bad_names(tmp_path):
-    folder = ['--destination-directory', str(tmp_path)]
+    def created(*words):
+        return cli.main(['pkg', 'create', *words, '--destination-directory', str(tmp_path)])
 
-    assert "'My-Pkg' is not a valid package name" in cli.main(['pkg', 'create', 'My-Pkg', *folder])
-    assert 'not a valid node name' in cli.main(
-        ['pkg', 'create', 'a', '--node-name', 'x y', *folder]
-    )
-    kind = ['--build-type', 'ament_python']
-    assert "can't be named 'test'" in cli.main(['pkg', 'create', 'test', *kind, *folder])
+    assert "'My-Pkg' is not a valid package name" in created('My-Pkg')
+    assert 'not a valid node name' in created('a', '--node-name', 'x y')
+    assert "can't be named 'test'" in created('test', '--build-type', 'ament_python')
     assert list(tmp_path.iterdir()) == []

@@ -27,13 +27,15 @@ def release():
     }
 
 
-def student_file(release, **changes):
-    """Return the release as bytes, with the sources of some cells changed."""
+def bytes_of(*cells):
+    """Return a notebook with these cells."""
+    return json.dumps({'cells': cells}).encode()
+
+
+def student_file(release, text):
+    """Return a copy of the release whose talker has this text."""
     copy = json.loads(json.dumps(release))
-    for one in copy['cells']:
-        grade_id = one['metadata'].get('nbgrader', {}).get('grade_id')
-        if grade_id in changes:
-            one['source'] = changes[grade_id]
+    copy['cells'][1]['source'] = text
     return copy
 
 
@@ -55,7 +57,7 @@ class TestUnusable:
             (b'', 'an empty file'),
             (b'{"cells": [{"cell_type": "co', 'ends in the middle'),
             (b'{"cells": []}', 'a notebook without cells'),
-            (json.dumps({'cells': [cell('other', 'x = 1'), cell()]}).encode(), '2 other cells'),
+            (bytes_of(cell('other', 'x = 1'), cell()), '2 other cells'),
         ],
     )
     def test_work_without_a_readable_cell_is_unusable(self, data, got, release):
@@ -69,7 +71,7 @@ class TestUnusable:
         assert opened.flags == ()
 
     def test_one_cell_of_the_assignment_is_enough(self, release):
-        data = json.dumps({'cells': [cell('check_talker', "check('talker')")]}).encode()
+        data = bytes_of(cell('check_talker', "check('talker')"))
 
         opened = open_submission(data, release, 'n.ipynb')
 
@@ -117,9 +119,8 @@ class TestReadNotebook:
     def test_a_long_output_with_many_quotes_is_fine(self):
         """Quotes inside a string do not count as strings: HTML tables are full of them."""
         output = {'output_type': 'display_data', 'data': {'text/html': '<td class="a">' * 300_000}}
-        cells = [{**cell('a', 'x'), 'outputs': [output]}]
 
-        found, problems = read_notebook(json.dumps({'cells': cells}).encode(), 'x')
+        found, problems = read_notebook(bytes_of({**cell('a', 'x'), 'outputs': [output]}), 'x')
 
         assert problems == ()
         assert found[0].source == 'x'
@@ -132,7 +133,7 @@ class TestReadNotebook:
             {'cell_type': 'code', 'source': 'x', 'metadata': {'nbgrader': {'grade_id': [1]}}},
         ]
 
-        found, problems = read_notebook(json.dumps({'cells': cells}).encode(), 'x')
+        found, problems = read_notebook(bytes_of(*cells), 'x')
 
         assert problems == ()
         assert [one.source for one in found] == ['', '', 'a\nb', 'x']
@@ -153,16 +154,19 @@ class TestReadNotebook:
         assert found[0].source.encode('utf-8') == b'a?b'
 
 
+def code(grade_id, source):
+    return StudentCell(grade_id, 'code', source)
+
+
+WHY = StudentCell('why', 'markdown', 'because')
+CHECK = code('check_talker', "check('talker')")
+
+
 class TestRebuild:
     def test_answers_are_found_by_grade_id_wherever_they_stand(self, release):
-        student = [
-            StudentCell('why', 'markdown', 'because'),
-            StudentCell('', 'code', 'scratch'),
-            StudentCell('talker', 'code', '%%node talker\nprint()'),
-            StudentCell('check_talker', 'code', "check('talker')"),
-        ]
+        talker = code('talker', '%%node talker\nprint()')
 
-        notebook, problems = rebuild(release, student)
+        notebook, problems = rebuild(release, [WHY, code('', 'scratch'), talker, CHECK])
 
         assert problems == ()
         assert source_of(notebook, 'talker') == '%%node talker\nprint()'
@@ -171,7 +175,7 @@ class TestRebuild:
 
     def test_tags_metadata_and_outputs_of_the_student_are_dropped(self, release):
         """A tag makes nbgrader skip a cell, and an output makes it give points."""
-        content = student_file(release, talker='%%node talker\npass')
+        content = student_file(release, '%%node talker\npass')
         for one in content['cells']:
             one['metadata']['tags'] = ['skip-execution']
             if one['cell_type'] == 'code':
@@ -188,22 +192,19 @@ class TestRebuild:
         """Many threads share the release."""
         before = json.dumps(release)
 
-        rebuild(release, [StudentCell('talker', 'code', 'x')])
+        rebuild(release, [code('talker', 'x')])
 
         assert json.dumps(release) == before
 
     def test_a_missing_cell_leaves_the_stub_and_is_named(self, release):
-        notebook, problems = rebuild(release, [StudentCell('why', 'markdown', 'because')], 'x')
+        notebook, problems = rebuild(release, [WHY], 'x')
 
         assert [problem.cells for problem in problems] == [('talker',)]
         assert source_of(notebook, 'talker') == '%%node talker\n# YOUR CODE HERE'
         assert source_of(notebook, 'why') == 'because'
 
     def test_a_renamed_cell_is_recognised_by_its_magic_line(self, release):
-        student = [
-            StudentCell('talker-Copy1', 'code', '%%node talker\npass'),
-            StudentCell('why', 'markdown', 'because'),
-        ]
+        student = [code('talker-Copy1', '%%node talker\npass'), WHY]
 
         _, problems = rebuild(release, student, 'x')
 
@@ -211,11 +212,7 @@ class TestRebuild:
         assert "talker.py with grade id 'talker-Copy1'" in problems[0].got
 
     def test_of_duplicated_cells_the_first_counts_and_nothing_is_lost(self, release):
-        student = [
-            StudentCell('talker', 'code', 'first'),
-            StudentCell('talker', 'code', 'second'),
-            StudentCell('why', 'markdown', 'because'),
-        ]
+        student = [code('talker', 'first'), code('talker', 'second'), WHY]
 
         notebook, problems = rebuild(release, student)
 
@@ -225,27 +222,16 @@ class TestRebuild:
 
     def test_a_changed_cell_type_is_repaired(self, release):
         """Pressing m in Jupyter, which changes the cell type, costs no points."""
-        student = [
-            StudentCell('talker', 'markdown', '%%node talker\npass'),
-            StudentCell('why', 'code', 'because'),
-        ]
+        student = [StudentCell('talker', 'markdown', '%%node talker\n'), code('why', 'because')]
 
         notebook, problems = rebuild(release, student)
 
-        assert [one['cell_type'] for one in notebook['cells']] == [
-            'markdown',
-            'code',
-            'code',
-            'markdown',
-        ]
+        types = [one['cell_type'] for one in notebook['cells']]
+        assert types == ['markdown', 'code', 'code', 'markdown']
         assert [problem.cells for problem in problems] == [(), ()]
 
     def test_a_changed_check_is_ignored_and_noted(self, release):
-        student = [
-            StudentCell('talker', 'code', 'x'),
-            StudentCell('check_talker', 'code', '15.0'),
-            StudentCell('why', 'markdown', 'y'),
-        ]
+        student = [code('talker', 'x'), code('check_talker', '15.0'), WHY]
 
         notebook, problems = rebuild(release, student)
 
@@ -256,7 +242,7 @@ class TestRebuild:
     @pytest.mark.parametrize('text', ['x' * 65_537, 'x\r\n' * 40_000, '\u00e9' * 40_000])
     def test_an_answer_above_64_kib_is_missing(self, release, text):
         """An answer is never truncated: truncated code would be a different answer."""
-        data = json.dumps(student_file(release, talker=text)).encode()
+        data = json.dumps(student_file(release, text)).encode()
 
         opened = open_submission(data, release, 'x')
 
@@ -266,7 +252,7 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_536, 'x\r\n' * 32_768, '\u00e9' * 32_768])
     def test_an_answer_of_64_kib_counts_whole(self, release, text):
-        data = json.dumps(student_file(release, talker=text)).encode()
+        data = json.dumps(student_file(release, text)).encode()
 
         opened = open_submission(data, release, 'x')
 
@@ -280,7 +266,7 @@ class TestRebuild:
             cell(f'more_{number}', f'%%node more_{number}\n', solution=True)
             for number in range(20)
         ]
-        student = [StudentCell(f'c{n}', 'code', f'%%node c{n}\nx\n') for n in range(100)]
+        student = [code(f'c{n}', f'%%node c{n}\nx\n') for n in range(100)]
         seen = []
         parse = submission.parse_cell
         monkeypatch.setattr(
