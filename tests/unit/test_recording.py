@@ -35,6 +35,9 @@ SAMPLE = Recording(
 )
 
 
+WHOLE = SAMPLE.to_bytes()
+
+
 class TestAnswers:
     def test_nodes_are_those_of_every_graph(self):
         assert SAMPLE.nodes == ('/a', '/b')
@@ -87,7 +90,7 @@ class TestFile:
 
         loaded = Recording.load(path)
 
-        assert loaded.to_bytes() == SAMPLE.to_bytes()
+        assert loaded.to_bytes() == WHOLE
         assert [file.name for file in path.parent.iterdir()] == ['r.jsonl']
 
     def test_second_start_is_kept_apart(self):
@@ -100,43 +103,31 @@ class TestFile:
         assert loaded.again.end_reason == 'complete'
 
     @pytest.mark.parametrize(
-        'text',
-        ['', '[]', '{"format": "other", "version": 3}\n', 'not json', '{"a": 1}\n{"b'],
-        ids=['empty', 'list', 'other format', 'no json', 'truncated'],
+        ('data', 'said'),
+        [
+            (b'', ''),
+            (b'[]', ''),
+            (b'{"format": "other", "version": 3}\n', ''),
+            (b'not json', ''),
+            (b'{"a": 1}\n{"b', ''),
+            # The times in an older recording are from a different clock.
+            (WHOLE.replace(b'"version": 3', b'"version": 1'), r'of version 1\. Try: grade again'),
+            (WHOLE + b'42\n', 'not an event'),
+            (WHOLE.replace(b'"hot"', b'"hat"'), 'checksum'),
+        ],
+        ids=['empty', 'list', 'other', 'no json', 'truncated', 'older', 'no event', 'changed'],
     )
-    def test_other_file_is_refused(self, tmp_path, text):
-        path = tmp_path / 'r.jsonl'
-        path.write_text(text, encoding='utf-8')
+    def test_other_file_is_refused(self, tmp_path, data, said):
+        (tmp_path / 'r.jsonl').write_bytes(data)
 
-        with pytest.raises(RecordingInvalid, match=r'r\.jsonl'):
-            Recording.load(path)
-
-    def test_recording_of_an_older_format_is_refused_with_what_to_do(self):
-        """The times in an older recording are from a different clock."""
-        old = SAMPLE.to_bytes().replace(b'"version": 3', b'"version": 1')
-
-        with pytest.raises(RecordingInvalid, match=r'of version 1\. Try: grade again'):
-            Recording.from_bytes(old, 'r.jsonl')
-
-    def test_line_that_is_not_an_event_is_rejected(self, tmp_path):
-        path = tmp_path / 'r.jsonl'
-        SAMPLE.save(path)
-        path.write_text(path.read_text(encoding='utf-8') + '42\n', encoding='utf-8')
-
-        with pytest.raises(RecordingInvalid, match='not an event'):
-            Recording.load(path)
+        with pytest.raises(RecordingInvalid, match=rf'r\.jsonl.*{said}'):
+            Recording.load(tmp_path / 'r.jsonl')
 
     @settings(deadline=None)
-    @given(cut=st.integers(min_value=0, max_value=len(SAMPLE.to_bytes()) - 1))
+    @given(cut=st.integers(min_value=0, max_value=len(WHOLE) - 1))
     def test_file_that_was_cut_off_anywhere_is_refused(self, cut):
         with pytest.raises(RecordingInvalid):
-            Recording.from_bytes(SAMPLE.to_bytes()[:cut])
-
-    def test_file_whose_numbers_were_changed_is_refused(self):
-        changed = SAMPLE.to_bytes().replace(b'"hot"', b'"hat"')
-
-        with pytest.raises(RecordingInvalid, match='checksum'):
-            Recording.from_bytes(changed, 'r.jsonl')
+            Recording.from_bytes(WHOLE[:cut])
 
     def test_file_of_a_full_disk_leaves_nothing(self, tmp_path, monkeypatch):
 
