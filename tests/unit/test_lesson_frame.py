@@ -37,14 +37,12 @@ def vscode_slug(text):
 @pytest.fixture
 def solutions(tmp_path):
     """Return the sources of a course with three lessons; the last one needs the first one."""
-    folder = tmp_path / 'solutions'
-    for name, facts in (('01_a', None), ('02_b', None), ('03_c', {'needs': ['01']})):
+    for name, metadata in (('01_a', {}), ('02_b', {}), ('03_c', {'lesson': {'needs': ['01']}})):
         cells = [new_markdown_cell(f'# Title {name[3:]}'), new_markdown_cell('## Part 1: Go')]
-        metadata = {'lesson': facts} if facts else {}
-        path = folder / name / f'{name[3:]}.ipynb'
-        path.parent.mkdir(parents=True)
-        nbformat.write(new_notebook(cells=cells, metadata=metadata), path)
-    return folder
+        folder = tmp_path / 'solutions' / name
+        folder.mkdir(parents=True)
+        nbformat.write(new_notebook(cells=cells, metadata=metadata), folder / f'{name[3:]}.ipynb')
+    return folder.parent
 
 
 def test_contents_name_what_a_lesson_needs(solutions):
@@ -160,15 +158,15 @@ def test_links_in_outputs_lead_to_the_cell_of_a_heading_in_jupyterlab(path, show
 
 def test_links_in_outputs_remain_if_the_heading_is_not_found(shown, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    Path('text.ipynb').write_text('Not a notebook')
-    Path('list.ipynb').write_text('{"cells": [1]}')
-    nbformat.write(new_notebook(cells=[new_markdown_cell('## Part 1')]), 'other.ipynb')
+    other = new_notebook(cells=[new_markdown_cell('## Part 1')])
     old = {'cells': [{'cell_type': 'markdown', 'source': ['## Setup']}]}
-    Path('without_ids.ipynb').write_text(json.dumps(old))
+    texts = (None, 'Not a notebook', '{"cells": [1]}', nbformat.writes(other), json.dumps(old))
 
-    for name in ('missing', 'text', 'list', 'other', 'without_ids'):
-        link = f'<a href="{name}.ipynb#Setup">'
-        assert shown(f'{name}.ipynb#Setup', '5f2e') == link
+    for number, text in enumerate(texts):
+        if text is not None:
+            Path(f'{number}.ipynb').write_text(text)
+        link = f'{number}.ipynb#Setup'
+        assert shown(link, '5f2e') == f'<a href="{link}">'
 
 
 def test_start_here_names_the_points_that_a_person_gives():

@@ -3,6 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 import json
 
+from collect_sources import laid
 import pytest
 
 from autograder.layout import CHOSEN
@@ -44,10 +45,8 @@ class TestRemember:
         remember('quizzes', '01-a', False)
         remember('checks', 'talker', 2.5)
 
-        assert read_results(file) == NONE | {
-            'checks': {'talker': 2.5},
-            'quizzes': {'01-a': False},
-        }
+        expected = {'checks': {'talker': 2.5}, 'quizzes': {'01-a': False}}
+        assert read_results(file) == NONE | expected
         assert 'progress(forget=True)' in json.loads(file.read_text())['about']
 
     def test_notebooks_that_finish_together_lose_nothing(self, file):
@@ -102,9 +101,8 @@ class TestBrokenFile:
         file.write_text(text)
         remember('checks', 'talker', 8)
 
-        assert capsys.readouterr().out.startswith(
-            f'progress() will not show this result. {file}: '
-        )
+        said = f'progress() will not show this result. {file}: '
+        assert capsys.readouterr().out.startswith(said)
         assert file.read_text() == text
 
     def test_progress_says_how_to_delete_it(self, file):
@@ -150,10 +148,8 @@ class TestProgress:
         ]
 
     def test_unreadable_notebook_costs_only_its_own_row(self, file, capsys):
-        for name in ('01_a/a.ipynb', '02_b/b.ipynb'):
-            path = file.parent.parent / 'notebooks' / name
-            path.parent.mkdir(exist_ok=True)
-            path.write_text('{"cells": []}' if name[1] == '1' else '{')
+        lessons = {'01_a/a.ipynb': b'{"cells": []}', '02_b/b.ipynb': b'{'}
+        laid(file.parent.parent / 'notebooks', lessons)
         progress()
         rows = capsys.readouterr().out.splitlines()[3:]
 

@@ -88,11 +88,8 @@ def test_row_gives_all_fields_of_a_cause(tmp_path):
     found = causes.of('late', how='very', line=3)
     slip = causes.slip('late_too', list)
 
-    assert (found.cause_id, found.text, found.try_this) == (
-        'late',
-        'It is very late.',
-        'Run /map.',
-    )
+    sentences = (found.text, found.try_this)
+    assert (found.cause_id, *sentences) == ('late', 'It is very late.', 'Run /map.')
     assert (found.act, found.about, found.line) == ('reset()', ['a', '/map'], 3)
     assert [one.text for one in found.closer] == [slip.text] == ['It is {late}.']
     assert (slip.cause_id, slip.rules) == ('late', (list,))
