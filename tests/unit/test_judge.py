@@ -25,8 +25,6 @@ def passes(run):
 
 
 def failing(**facts):
-    """Return a check that fails."""
-
     def fails(run):
         """It fails."""
         raise Failed(**{'expected': '1', 'observed': '2', **facts})

@@ -47,12 +47,10 @@ def written(folder, results, summary=''):
 
 
 def read(path):
-    """Return a parsed page."""
     return BeautifulSoup(path.read_text(encoding='utf-8'), 'html.parser')
 
 
 def page_of_ann(folder, result):
-    """Return the text of ann's page."""
     return read(written(folder, [result]).parent / page_name('ann')).text
 
 

@@ -128,12 +128,10 @@ class Played:
         self.note('process', killed='', stdout='', **code)
 
     def note(self, event: str, **facts: Any) -> None:
-        """Record an event."""
         moment = {'clock_ns': self.clock_ns, 'after_input': self.index}
         self.events.append({'event': event, **moment, **facts})
 
     def graph(self, when: str) -> None:
-        """Record the nodes and endpoints."""
         ends = list(self.ends()) if self.program.ends else []
         self.note('graph', when=when, nodes=self.nodes, endpoints=ends)
 
@@ -184,7 +182,6 @@ class Played:
             self.note('offered', publisher=step.name, matched=True, refused=[])
 
     def wait(self, seconds: float) -> None:
-        """Advance the virtual time."""
         self.clock_ns += round(seconds * 1e9)
 
     def say(self) -> None:

@@ -114,7 +114,6 @@ def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, c
 
 
 def qos_of(*words):
-    """Return the QoS that the options request."""
     parser = ArgumentParser()
     for names, how, _ in qos_options.qos_arguments('publish', 'default'):
         parser.add_argument(*names, **how)
@@ -204,7 +203,6 @@ PARTS = {
 
 @pytest.fixture
 def files(tmp_path, monkeypatch):
-    """Provide interface definitions in files."""
     for name, text in PARTS.items():
         (tmp_path / name.replace('/', '-')).write_text(text)
     path = tmp_path.joinpath

@@ -78,7 +78,6 @@ def test_package_name_can_be_chosen(monkeypatch, tmp_path):
 
 
 def run(code, tmp_path, deadline_s=20.0, **options):
-    """Run a line of Python in a child process."""
     facts = {'cwd': tmp_path, 'env': os.environ, 'tick_s': 0.05, **options}
     return run_command.run([sys.executable, '-c', code], deadline_s=deadline_s, **facts)
 

@@ -30,7 +30,6 @@ def file(tmp_path, monkeypatch):
 
 @pytest.fixture
 def lessons(tmp_path):
-    """Return the outlines of two lessons."""
     first = Part('Part 1: One', quizzes=['01-a', '01-b'])
     second = Part('Part 2: Two', {'talker': 8, 'courier': 10})
     return [

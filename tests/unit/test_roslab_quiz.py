@@ -24,7 +24,6 @@ GOOD = """\
 
 @pytest.fixture
 def folder(tmp_path):
-    """Return a folder with one file of one question."""
     (tmp_path / '03_topics.yaml').write_text(GOOD)
     return tmp_path
 

@@ -86,7 +86,6 @@ def found(at_least=0.85, given_text='', references=None, **texts):
 
 
 def shown(result, at_least=0.85):
-    """Return the text of a result."""
     return similar_text(result, '01_talker', Path('/class'), at_least)
 
 

@@ -19,7 +19,6 @@ SLIPS = warning_slips(above, '30.0')
 
 
 def asked(*inputs, burst=0):
-    """Return the specification of these inputs."""
     return Specification(inputs, above(), SLIPS, burst)
 
 

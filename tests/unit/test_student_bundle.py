@@ -132,7 +132,6 @@ def copy(tmp_path_factory):
 
 
 def names_in(copy):
-    """Return the files of a copy by their relative names."""
     return {path.relative_to(copy).as_posix(): path for path in copy.rglob('*') if path.is_file()}
 
 

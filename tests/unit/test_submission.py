@@ -13,7 +13,6 @@ from autograder.submission.submission import open_submission, rebuild
 
 @pytest.fixture
 def release():
-    """Return a release with one node, one check and one question."""
     return {
         'cells': [
             cell(source='# Title', kind='markdown'),
@@ -28,7 +27,6 @@ def release():
 
 
 def bytes_of(*cells):
-    """Return a notebook with these cells."""
     return json.dumps({'cells': cells}).encode()
 
 

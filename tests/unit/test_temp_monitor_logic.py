@@ -76,24 +76,14 @@ def test_sensor_default_heating_warns_within_a_minute_at_any_rate(seed, rate_hz)
     assert all(math.isfinite(value) and SENSOR_MIN_C <= value <= SENSOR_MAX_C for value in values)
 
 
-def _fields(name):
-    """Return the (type, name) pairs of one message file."""
-    lines = (PACKAGE / 'msg' / name).read_text(encoding='utf-8').splitlines()
-    return [tuple(line.split()) for line in lines if line.strip() and not line.startswith('#')]
-
-
 def test_messages_have_exactly_the_fields_of_the_course():
-    assert _fields('Temperature.msg') == [
-        ('float64', 'temperature_value'),
-        ('string', 'unit'),
-        ('builtin_interfaces/Time', 'timestamp'),
-        ('string', 'sensor_id'),
-    ]
-    assert _fields('Num.msg') == [
-        ('int64', 'num'),
-        ('string', 'description'),
-        ('float64[]', 'values'),
-    ]
+    reading = ['float64 temperature_value', 'string unit', 'builtin_interfaces/Time timestamp']
+    number = ['int64 num', 'string description', 'float64[] values']
+    wanted = {'Temperature.msg': [*reading, 'string sensor_id'], 'Num.msg': number}
+    for name, fields in wanted.items():
+        lines = (PACKAGE / 'msg' / name).read_text(encoding='utf-8').splitlines()
+        found = [' '.join(line.split()) for line in lines if not line.startswith('#')]
+        assert [line for line in found if line] == fields
 
 
 def test_package_xml_declares_what_interfaces_need():

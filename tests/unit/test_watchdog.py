@@ -47,27 +47,27 @@ def world(monkeypatch):
     return world
 
 
-@pytest.mark.parametrize('state', [b'S', b'T'])
-def test_a_run_in_which_all_threads_sleep_has_0_3_s(world, state):
-    """Nothing can happen on the virtual clock any more; a program can also stop itself."""
-    assert world.look(FOR_STILL - 1, state) == ''
-    assert world.look(1, state) == 'waits_outside'
+@pytest.mark.parametrize(
+    ('program', 'probe', 'disk', 'looks'),
+    [
+        # Nothing can happen on the virtual clock any more; a program can also stop itself.
+        (b'S', b'S', False, FOR_STILL),
+        (b'T', b'S', False, FOR_STILL),
+        # The program waits for a child after vfork, or for a disk, which the kernel counts.
+        (b'D', b'S', False, FOR_IDLE),
+        (b'D', b'S', True, FOR_20_S - 1),
+        # A person who pauses or debugs the probe must not cost points at once.
+        (b'S', b'T', False, FOR_IDLE),
+        (b'S', b't', False, FOR_IDLE),
+    ],
+)
+def test_time_without_computing_depends_on_what_all_threads_wait_for(
+    world, program, probe, disk, looks
+):
+    world.disk, world.state[PROBE] = disk, probe
 
-
-@pytest.mark.parametrize(('disk', 'looks'), [(False, FOR_IDLE), (True, FOR_20_S)])
-def test_a_thread_that_cannot_be_interrupted_has_longer(world, disk, looks):
-    """It waits for a child after vfork, or for a disk, which the kernel counts."""
-    world.disk = disk
-    assert world.look(looks - 2, b'D') == ''
-    assert world.look(2, b'D') == 'waits_outside'
-
-
-@pytest.mark.parametrize('state', [b'T', b't'])
-def test_a_probe_that_is_stopped_from_outside_has_longer(world, state):
-    """A person who pauses or debugs the probe must not cost points at once."""
-    world.state[PROBE] = state
-    assert world.look(FOR_IDLE - 1) == ''
-    assert world.look(1) == 'waits_outside'
+    assert world.look(looks - 1, program) == ''
+    assert world.look(1, program) == 'waits_outside'
 
 
 def test_short_waits_outside_the_clock_add_up(world):
