@@ -175,7 +175,6 @@ def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
     ],
 )
 def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words, monkeypatch):
-
     def ask() -> int:
         if error:
             raise OSError(error, '')

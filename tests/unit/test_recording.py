@@ -130,7 +130,6 @@ class TestFile:
             Recording.from_bytes(WHOLE[:cut])
 
     def test_file_of_a_full_disk_leaves_nothing(self, tmp_path, monkeypatch):
-
         def refuse(_):
             raise OSError(28, 'No space left on device')
 

@@ -169,7 +169,6 @@ def test_domain_set_by_the_user_is_kept(name, monkeypatch, capsys):
 
 
 def test_system_without_abstract_sockets_is_named(name, monkeypatch, capsys):
-
     def refuse(domains):
         raise OSError(2, 'No such file or directory')
 

@@ -58,7 +58,6 @@ def test_a_route_that_works_sets_date_and_result(files, monkeypatch):
 
 
 def test_a_route_that_fails_changes_no_row(files, monkeypatch, capsys):
-
     def fails(folder):
         routes.run(folder, 'sh', '-c', 'echo no network; exit 3')
 
