@@ -2,6 +2,7 @@
 
 import json
 
+from collect_sources import laid
 import pytest
 
 from autograder.layout import lesson_files
@@ -67,13 +68,8 @@ def test_exercises_belong_to_the_part_above_them(lesson):
 
 
 def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
-    for name in (
-        'START_HERE.ipynb',
-        '.ipynb_checkpoints/START_HERE-checkpoint.ipynb',
-        '01_a/a.ipynb',
-    ):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text('{}')
+    checkpoint = '.ipynb_checkpoints/START_HERE-checkpoint.ipynb'
+    laid(tmp_path, dict.fromkeys(('START_HERE.ipynb', checkpoint, '01_a/a.ipynb'), b'{}'))
 
     assert lesson_files(tmp_path) == [tmp_path / '01_a' / 'a.ipynb', lesson]
 

@@ -29,13 +29,8 @@ NODES = {
     'managed_pressure': ('pressure_monitor',),
 }
 CODE = 'class Mine(Node):\n    create_timer, create_subscription\n    self.publisher.publish(m)\n'
-RELIABLE = {
-    'reliability': 'RELIABLE',
-    'durability': 'VOLATILE',
-    'liveliness': 'AUTOMATIC',
-    'deadline_ns': None,
-    'lifespan_ns': None,
-}
+RELIABLE = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', 'liveliness': 'AUTOMATIC'}
+RELIABLE |= dict.fromkeys(['deadline_ns', 'lifespan_ns'])
 LATCHED = {**RELIABLE, 'durability': 'TRANSIENT_LOCAL'}
 BEGINS_NS, TICK_S = 550_000_000, 0.25
 SENT = {'event': 'input', 'index': 0}

@@ -58,12 +58,8 @@ def claiming(name):
     processes = []
 
     def start():
-        process = subprocess.Popen(
-            [sys.executable, '-c', CLAIM, name],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
+        pipes = {'stdin': subprocess.PIPE, 'stdout': subprocess.PIPE, 'text': True}
+        process = subprocess.Popen([sys.executable, '-c', CLAIM, name], **pipes)
         processes.append(process)
         return process, process.stdout.readline().strip()
 
