@@ -12,7 +12,7 @@ from rich.console import Console
 from autograder.classroom import pages as report
 from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import page_name, print_table, write_all_reports
-from autograder.explaining.feedback import headline, printable
+from autograder.explaining.feedback import exam_text, headline, printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
@@ -192,14 +192,13 @@ class TestTable:
         print_table(console, '01_talker', results, {}, ())
         return console.file.getvalue()
 
-    def test_it_shows_student_points_and_first_cause(self):
-        line = next(line for line in self.printed(submission()).splitlines() if 'ann' in line)
+    def test_it_shows_student_points_and_first_cause_and_flags_below(self):
+        *lines, last = self.printed(submission()).splitlines()
+        line = next(line for line in lines if 'ann' in line)
 
         assert '2 of 6' in line
         assert 'a typo' in line
-
-    def test_flags_come_below(self):
-        assert 'flag: ann: odd' in self.printed(submission()).splitlines()[-1]
+        assert 'flag: ann: odd' in last
 
     def test_hostile_words_do_not_steer_the_terminal(self):
         text = self.printed(submission(student=EVIL, checks=[failing(cause=EVIL)]))
@@ -215,6 +214,9 @@ class TestTable:
 
 
 class TestWords:
+    def test_the_text_of_an_exam_begins_with_its_points(self):
+        assert exam_text(submission().exams[0]).startswith('2 of 6 points\n')
+
     def test_control_characters_are_replaced(self):
         assert printable('a\x1b[1mb\n\tc\x00') == 'a\ufffd[1mb\n\tc\ufffd'
 

@@ -63,7 +63,7 @@ def test_progress_is_reported_for_each_exam_of_each_student():
     assert {student for student, one in done if isinstance(one, GraderError)} == {'cho'}
 
 
-def test_each_result_is_reported_in_the_calling_thread_while_others_are_run():
+def test_each_result_is_reported_in_the_calling_thread_while_another_runs_the_rest():
     done, where = [], set()
     hold = threading.Event()
 
@@ -81,19 +81,13 @@ def test_each_result_is_reported_in_the_calling_thread_while_others_are_run():
 
     class_ = [handed_in(f's{n}', f'right {n}') for n in (1, 2)]
     class_ += [handed_in('s3', 'right last')]
-    graded = grade_class(class_, LESSON, Running(), jobs=1, on_graded=on_graded)
+    engine = Running()
+    graded = grade_class(class_, LESSON, engine, jobs=1, on_graded=on_graded)
 
+    assert len(engine.threads) == 1
     assert done == ['s1', 's2', 's3']
     assert where == {threading.main_thread()}
     assert set(points(graded).values()) == {2.0}
-
-
-def test_no_more_runs_at_a_time_than_asked_for():
-    engine = FakeEngine()
-
-    grade_class([handed_in(name, 'right') for name in 'abcdef'], LESSON, engine, jobs=1)
-
-    assert len(engine.threads) == 1
 
 
 def test_ctrl_c_starts_nothing_new():
