@@ -25,7 +25,8 @@ def test_nothing_is_due_before_all_have_come_and_a_stop_while_one_is_old():
     inputs, due = zip(*rows)
 
     assert joining()(inputs) == list(due)
-    assert joining()([PilotInput(0, 0.5, 1.0), PilotInput(1, 0.2, 1.0)])[1] == ((0.5, 0.2),)
+    both = [PilotInput(0, 0.5, 1.0), PilotInput(1, 0.2, 1.0)]
+    assert joining()(both) == [(), ((0.5, 0.2),)]
 
 
 def ticked(inputs, begins_s):

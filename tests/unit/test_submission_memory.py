@@ -34,7 +34,6 @@ def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
     picture = {'output_type': 'display_data', 'data': {'image/png': 'A' * MEGABYTE}}
     data = json.dumps({'cells': [{**answer('pass'), 'outputs': [picture]}]}).encode()
     laid(tmp_path, {f's{number:02}/01/{FILE}': data for number in range(STUDENTS)})
-    del data
     lesson = Lesson('01', FILE, RELEASE, (FakeExam(),))
 
     with traced() as memory:

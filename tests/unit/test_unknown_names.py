@@ -64,7 +64,7 @@ MAIN = 'class Talker:\n    def main(self):\n        node = 1\n'
     ('line', 'name', 'hint', 'above', 'words'),
     [
         ('Temperatur()', 'Temperatur', 'Temperature', '', 'Did you mean Temperature?'),
-        ('publisher.publish(m)', 'publisher', 'self.publisher', '', 'mean self.publisher?'),
+        ('publisher.go()', 'publisher', 'self.publisher', '', 'Did you mean self.publisher?'),
         ('main()', 'main', 'min', MAIN, 'at the left margin'),
         ('main()', 'main', 'min', '', 'Write def main'),
         ('main()', 'main', '', 'def main(args=None):\n', 'above the lines that call'),
