@@ -4,45 +4,23 @@ The check of a release: notebooks, exams and the students' files match.
 ``make check`` runs this check on the course.
 """
 
-from dataclasses import dataclass
-
+from collect_sources import laid
+from fake_grading import answer, cell, FakeExam
 import pytest
 
 from autograder.authoring import release as course
 from autograder.layout import Layout
 
-
-@dataclass(frozen=True)
-class FakeExam:
-    """The parts of an exam that the check of a release needs."""
-
-    name: str = 'talker'
-    cells: tuple[str, ...] = ('talker',)
-    max_points: float = 3
-
-
-def cell(grade_id, source, **marks):
-    return {
-        'cell_type': 'code',
-        'metadata': {'nbgrader': {'grade_id': grade_id, **marks}},
-        'source': source,
-        'outputs': [],
-        'execution_count': None,
-    }
-
-
-ANSWER = cell('talker', '%%node talker\nx', solution=True)
+ANSWER = answer('x')
 CHECK = cell('check_talker', "check('talker')", grade=True, points=3)
 
 
-def unfit(*cells, exams=(FakeExam(),)):
+def unfit(*cells):
     """Return the mistakes in a notebook with some cells."""
-    return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', exams))
+    return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', (FakeExam(),)))
 
 
 class TestCheckCells:
-    """Each exam has one cell, below its answers, with its points."""
-
     def test_a_fitting_pair_is_fine(self):
         assert unfit(ANSWER, CHECK) == []
 
@@ -82,10 +60,7 @@ class TestCheckCells:
 
 def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
     """CI machines may check a project out into a folder called build."""
-    folder = tmp_path / 'build' / 'notebooks'
-    for name in ('01/a.ipynb', '01/ros_ws/x.py'):
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(name)
+    folder = laid(tmp_path / 'build' / 'notebooks', {'01/a.ipynb': b'', '01/ros_ws/x.py': b''})
 
     assert sorted(course._contents(folder)) == ['01/a.ipynb']
 
@@ -108,7 +83,6 @@ class TestRelease:
         return Layout(tmp_path)
 
     def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):
-        """The old bundle is kept, and the mistakes are listed."""
         monkeypatch.setattr(course, 'check', lambda layout: ['x.ipynb: 4 points'])
         monkeypatch.setattr(course, 'pack', lambda *_: pytest.fail('It was packed.'))
 
