@@ -16,7 +16,7 @@
 #|  make hub                  run a JupyterHub for a class on this machine, as root (docs/hub.md);
 #|                            make test-hub tests it in headless Chromium
 #|  make check                check style, types, words, and that generated files are up to date
-#|  make coverage             write docs/coverage.md: what the course claims, teaches and tests
+#|  make coverage             write docs/coverage.md: what the course claims, teaches and proves
 #|  make judgement            write docs/agreement.md, mutants.md, causes.md: how well the grader
 #|                            judges
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
