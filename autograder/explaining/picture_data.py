@@ -88,13 +88,13 @@ def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[
 
 def _wanted(scenario: Scenario) -> list[tuple[str, str, str]]:
     """
-    Return the endpoints that a scenario requires: kind, full topic name, type.
+    Return the publishers and subscriptions that a scenario requires: kind, topic, type.
 
     If several topics have the same last part, such as ``/lab/chatter`` and ``/chatter``, the exam
     requires the first; the probe watches the others to detect a mistake.
     """
     found: dict[tuple[str, str], tuple[str, str, str]] = {}
-    for kind, topic, type_name in scenario.endpoints():
+    for kind, topic, type_name in (one for one in scenario.endpoints() if one[0] != 'service'):
         found.setdefault((kind, topic.rpartition('/')[2]), (kind, topic, type_name))
     return list(found.values())
 
