@@ -243,9 +243,18 @@ def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'somethin
 
 def require_all_sent(run: Run, found: Sequence[object]) -> None:
     """Fail if a run ended before all inputs were sent."""
-    if found and found[-1] is None:
+    _require_alive(run, not found or found[-1] is not None, 'input')
+
+
+def require_complete(run: Run) -> None:
+    """Fail if a run ended before all steps were executed."""
+    _require_alive(run, run.recording.end_reason == 'complete', 'moment of the exam')
+
+
+def _require_alive(run: Run, alive: bool, until: str) -> None:
+    if not alive:
         raise Failed(
-            expected='a node that runs until the last input',
+            expected=f'a node that runs until the last {until}',
             observed='a node that ended earlier',
             why=why_silent(run),
         )
