@@ -66,7 +66,7 @@ check: prepare
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
 	$(PY) -m mypy
-	$(PY) -m autograder.authoring.release check
+	$(PY) -m autograder release --check
 	$(PY) -m tests.claims.coverage --check
 	$(PY) -m tests.attacks.table --check
 	$(PY) -m tests.judgement.agreement --check
@@ -86,7 +86,7 @@ judgement: prepare
 	$(PY) -m tests.judgement.causes
 
 release: prepare
-	@exec $(PY) -m autograder.authoring.release release $(ARGS)
+	@exec $(PY) -m autograder release $(ARGS)
 
 execute: prepare
 	@exec $(PY) -m autograder.authoring.execute $(ARGS)

@@ -25,6 +25,10 @@ COMMANDS = {
         'authoring:sample_class_command',
         'write the example submissions to a folder',
     ),
+    'release': (
+        'authoring:release_command',
+        'generate notebooks/ from solutions/, check the course, pack the files for students',
+    ),
     'self-check': (
         'authoring:self_check_command',
         'check that reference solutions pass and untouched notebooks do not',

@@ -7,7 +7,7 @@ the default 30.0, and ``place``, any string, at first ``motor``; the node refuse
 ``std_msgs/msg/Float64`` on ``motor_temperature`` above the limit in force causes one WARN line.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 import math
 import operator
@@ -33,7 +33,7 @@ Change = tuple[str, float | int | str]
 """The name of a parameter and its requested value."""
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
 SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
-DEFAULTS = {LIMIT: DEFAULT_C, PLACE: 'motor'}
+DEFAULTS: Mapping[str, float | str] = {LIMIT: DEFAULT_C, PLACE: 'motor'}
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
 
 WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, DEFAULT_C=DEFAULT_C)

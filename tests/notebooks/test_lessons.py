@@ -24,13 +24,13 @@ import nbformat
 import pytest
 import yaml
 
-from autograder.authoring.release import portions
 from autograder.exam import catalog
 from autograder.layout import lesson_files
 from autograder.submission.cells import UNSOLVED
 from autograder.submission.outline import read_outline
 from roslab import gallery
 from tests.claims import coverage
+from tests.notebooks.portions import portions
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]

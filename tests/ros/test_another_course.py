@@ -87,7 +87,7 @@ def course(tmp_path_factory, engine) -> Path:
     finished([*grader, 'new-exam', 'far_points', '--lesson', '01_points'], root, shell)
     finished([str(engine), '-c', VENV, stand_in.__file__], root, shell)
     finished([str(engine), '-m', 'environment', 'prepare'], root, shell)
-    assert run(root, 'autograder.authoring.release', 'release').returncode == 0
+    assert run(root, 'autograder', 'release').returncode == 0
     return root
 
 
@@ -140,7 +140,7 @@ class TestGrading:
 
     def test_it_fits_together_and_the_grader_proves_itself(self, course):
         """The exam sends a geometry_msgs message and receives one of the course's own types."""
-        said = run(course, 'autograder.authoring.release', 'check').stdout.splitlines()
+        said = run(course, 'autograder', 'release', '--check').stdout.splitlines()
         assert said[-1] == 'The notebooks and the exams agree.'
         assert run(course, 'autograder', 'self-check').stdout.splitlines() == [
             '01_points: the reference solution has 6 of 6, as expected.',

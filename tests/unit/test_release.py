@@ -8,7 +8,9 @@ from collect_sources import laid
 from fake_grading import answer, cell, FakeExam
 import pytest
 
+from autograder.__main__ import main
 from autograder.authoring import release as course
+from autograder.commands import authoring as command
 from autograder.layout import Layout
 
 ANSWER = answer('x')
@@ -75,26 +77,35 @@ def test_symbolic_link_in_a_release_is_compared_like_a_file(tmp_path):
 
 
 class TestRelease:
-    @pytest.fixture
+    @pytest.fixture(autouse=True)
     def layout(self, tmp_path, monkeypatch):
         """Return a course whose notebooks need not be generated."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(tmp_path)))
-        monkeypatch.setattr(course, 'generate', lambda layout, folder: ['01'])
-        return Layout(tmp_path)
+        monkeypatch.setattr(command, 'generate', lambda layout, folder: ['01'])
 
-    def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):
-        monkeypatch.setattr(course, 'check', lambda layout: ['x.ipynb: 4 points'])
-        monkeypatch.setattr(course, 'pack', lambda *_: pytest.fail('It was packed.'))
+    def test_a_course_that_does_not_fit_together_is_not_packed(self, monkeypatch, capsys):
+        """The old bundle is kept, and the mistakes are listed."""
+        monkeypatch.setattr(command, 'check', lambda layout: ['x.ipynb: 4 points'])
+        monkeypatch.setattr(command, 'pack', lambda *_: pytest.fail('It was packed.'))
 
-        assert course.main(['release']) == 1
+        assert main(['release']) == 1
 
-        captured = capsys.readouterr()
-        assert captured.out == 'x.ipynb: 4 points\n'
-        assert captured.err == 'course: not packed. Try: fix these mistakes, then make release\n'
+        assert capsys.readouterr().out.splitlines() == [
+            'x.ipynb: 4 points',
+            'Nothing was packed. Try: correct these mistakes, then release again.',
+        ]
 
-    def test_a_course_that_fits_together_is_packed(self, layout, monkeypatch, capsys):
-        monkeypatch.setattr(course, 'check', lambda layout: [])
-        monkeypatch.setattr(course, 'pack', lambda layout, bundle, answers: 7)
+    def test_a_course_that_fits_together_is_packed(self, monkeypatch, capsys):
+        monkeypatch.setattr(command, 'check', lambda layout: [])
+        monkeypatch.setattr(command, 'pack', lambda layout, bundle, answers: 7)
 
-        assert course.main(['release']) == 0
+        assert main(['release']) == 0
         assert 'student_bundle.zip contains 7 files' in capsys.readouterr().out
+
+    def test_a_check_writes_nothing(self, monkeypatch, capsys):
+        monkeypatch.setattr(command, 'check', lambda layout: [])
+        for writer in ('generate', 'pack'):
+            monkeypatch.setattr(command, writer, lambda *_: pytest.fail('It was written.'))
+
+        assert main(['release', '--check']) == 0
+        assert capsys.readouterr().out == 'The notebooks and the exams agree.\n'
