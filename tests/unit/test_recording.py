@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import pytest
 
 from autograder.errors import RecordingInvalid
-from autograder.recording import header, Recording
+from autograder.recording import header, Recording, SECOND
 
 
 def end(topic, kind='publisher', node='/a', kind_of='x/msg/Y'):
@@ -67,6 +67,16 @@ class TestAnswers:
 
         assert [log['text'] for log in seen.phase('a').logs()] == ['1', '3']
         assert seen.phase('c').events == []
+
+    def test_parts_of_a_phase_last_until_the_next_mark_or_the_end(self):
+        times_s = {'a': 1, 'b': 3, 'again': 4}
+        marks = [
+            {'event': 'mark', 'name': 'b' if name == 'b' else 'a', 'clock_ns': second * SECOND}
+            for name, second in times_s.items()
+        ]
+        seen = Recording({}, [*marks, {'event': 'end', 'clock_ns': 9 * SECOND}])
+
+        assert [seconds for _, seconds in seen.parts('a')] == [2.0, 5.0]
 
     def test_calls_are_answered_or_not_in_order(self):
         events = [

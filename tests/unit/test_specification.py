@@ -111,6 +111,15 @@ class TestMistakes:
     def test_inputs_have_to_distinguish_all_slips(self, inputs, pair):
         assert f'no input distinguishes {pair}' in asked(*inputs).mistakes()
 
+    def test_form_of_a_slip_and_an_exception_are_named(self):
+        due = each(lambda one: one)
+        slip = Slip('odd', '', '', each(lambda one: -one), each(lambda one: 1 / one), due)
+
+        assert list(Specification([0, 3], due, [slip]).mistakes()) == [
+            'the slip odd, form 2 raises ZeroDivisionError: division by zero',
+            'no input distinguishes odd, form 3 from the correct answers',
+        ]
+
     def test_two_of_one_name_may_look_alike(self):
         rule = each(lambda one: 0)
         slips = (Slip('none', 'text', 'try', rule), Slip('none', 'text', 'try', rule))
