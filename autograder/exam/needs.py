@@ -76,6 +76,9 @@ def asked_for(ask: str, each_is: type) -> Test:
         yield from (f'expected {kind} as each answer of {ask!r}, got {one!r}' for one in other[:1])
         sent = sum(len(step.messages) for step in start.steps if isinstance(step, Feed))
         if each_is is not dict and len(asked.inputs) != sent:
-            yield f'{ask!r} has {len(asked.inputs)} inputs, but the scenario sends {sent} messages'
+            yield (
+                f'expected an input of {ask!r} for each of the {sent} messages that the scenario '
+                f'sends, got {len(asked.inputs)}'
+            )
 
     return test

@@ -17,9 +17,9 @@ from typing import Any
 from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.causes.redaction import namespace_of
-from autograder.judging.checks import own_logs, SECOND
+from autograder.judging.checks import own_logs
 from autograder.judging.judge import deviation, failure_of
-from autograder.recording import Event, LEVELS
+from autograder.recording import Event, LEVELS, SECOND
 from autograder.results import CheckResult, Verdict
 
 MOST_TIMES = 400

@@ -20,9 +20,8 @@ from autograder.judging.causes.ended import (
 )
 from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.causes.text_table import cause_of
-from autograder.recording import Event, LEVELS
+from autograder.recording import Event, LEVELS, SECOND
 
-SECOND = 1_000_000_000
 NO_RESULT = 'Callback returned an invalid type'
 """The reason with which rclpy refuses a change whose callback returns no result."""
 

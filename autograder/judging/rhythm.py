@@ -13,8 +13,7 @@ from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.steps import SETTLE_S
 from autograder.judging.causes.ended import why_it_ended, why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
-from autograder.judging.checks import SECOND
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 from autograder.submission.code.acts import place_of
 from autograder.submission.code.source_code import Code
 

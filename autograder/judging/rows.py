@@ -17,14 +17,9 @@ from autograder.exam.patterns import why_burst_cut, why_pattern
 from autograder.exam.specification import sorted_answers, Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.text_table import cause_of
-from autograder.judging.checks import (
-    counted,
-    field_of,
-    require_endpoint,
-    SECOND,
-)
+from autograder.judging.checks import counted, field_of, require_endpoint
 from autograder.judging.rhythm import seconds_between
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 
 Row = list[Event]
 LATE_S = 0.015  # a message that a callback publishes at once arrives earlier [s]
