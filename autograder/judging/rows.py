@@ -13,7 +13,7 @@ from typing import Any
 
 from autograder.exam import slips
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.exam.patterns import why_burst_cut, why_pattern
+from autograder.exam.patterns import why_burst_cut, why_left_out, why_pattern
 from autograder.exam.specification import sorted_answers, Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.text_table import cause_of
@@ -176,6 +176,8 @@ def why_other_answer(
     if slip := asked.cause(came, place, part or ()):
         return slip
     counts = [one if one is None else len(one) for one in came]
+    if left_out := why_left_out(asked, came):
+        return left_out
     if pattern := why_pattern(list(map(len, asked.answers)), counts):
         return pattern
     more = len(came[place] or ()) - len(asked.answers[place])

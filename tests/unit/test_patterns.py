@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from handmade_runs import at, graph, message, publisher, run_of, sent, why
 import pytest
 
-from autograder.exam.patterns import why_burst_cut, why_pattern
+from autograder.exam.patterns import why_burst_cut, why_left_out, why_pattern
 from autograder.exam.specification import each, Specification
 from autograder.judging import rhythm
 from autograder.judging.judge import closest
@@ -54,6 +54,26 @@ def test_pattern_is_named_if_all_answers_fit_it(came, cause_id):
 def test_answer_without_an_expected_one_is_no_pattern():
     """Answers follow the wrong inputs, so the cause is not a missing answer."""
     assert why_pattern([1, 0, 1, 1], [1, 1, 0, 0]) is None
+
+
+@pytest.mark.parametrize(
+    ('counts', 'cause'),
+    [
+        ([1, 1, 0, 1, 0, 1], 'only_new_answers'),
+        ([0, 1, 1, 0, 0, 1], 'only_true_answers'),
+        ([1, 1, 0, 1, 0, 0], None),
+        ([1, 1, 0, 1, 0, None], None),
+        ([1, 1, 1, 1, 1, 1], None),
+    ],
+)
+def test_answers_left_out_for_their_values_are_recognised(counts, cause):
+    """Only if every answer and every gap fits."""
+    near = Specification([False, True, True, False, False, True], each(lambda one: (one,)))
+    came = [None if count is None else (True,) * count for count in counts]
+
+    found = why_left_out(near, came)
+
+    assert (found and found.cause_id) == cause
 
 
 @pytest.mark.parametrize(
