@@ -69,7 +69,8 @@ def require_period(
     if ended and seconds:
         # Another thread may publish once more while an exception ends the program.
         observed = f'{what}s only until the program ended'
-    in_all = '' if odd else f' ({during_s / period_s:.0f} {what}s)'
+    only_count = bool(seconds) and not (odd or late or ended)
+    in_all = f' ({during_s / period_s:.0f} {what}s)' if only_count else ''
     raise Failed(
         expected=f'one {what} every {period_s:g} s for {during_s:g} s{in_all}{when}',
         observed=observed + (f', the first after {waited_s:.2g} s' if late else ''),
