@@ -16,7 +16,7 @@
 #|  make hub                  run a JupyterHub for a class on this machine, as root (docs/hub.md);
 #|                            make test-hub tests it in headless Chromium
 #|  make check                check style, types, words, and that generated files are up to date
-#|  make coverage             write docs/coverage.md: what the course claims, teaches and tests
+#|  make coverage             write docs/coverage.md: what the course claims, teaches and proves
 #|  make judgement            write docs/agreement.md, mutants.md, causes.md: how well the grader
 #|                            judges
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
@@ -66,7 +66,7 @@ check: prepare
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
 	$(PY) -m mypy
-	$(PY) -m autograder.authoring.release check
+	$(PY) -m autograder release --check
 	$(PY) -m tests.claims.coverage --check
 	$(PY) -m tests.attacks.table --check
 	$(PY) -m tests.judgement.agreement --check
@@ -86,7 +86,7 @@ judgement: prepare
 	$(PY) -m tests.judgement.causes
 
 release: prepare
-	@exec $(PY) -m autograder.authoring.release release $(ARGS)
+	@exec $(PY) -m autograder release $(ARGS)
 
 execute: prepare
 	@exec $(PY) -m autograder.authoring.execute $(ARGS)

@@ -25,6 +25,10 @@ COMMANDS = {
         'authoring:sample_class_command',
         'write the example submissions to a folder',
     ),
+    'release': (
+        'authoring:release_command',
+        'generate notebooks/ from solutions/, check the course, pack the files for students',
+    ),
     'self-check': (
         'authoring:self_check_command',
         'check that reference solutions pass and untouched notebooks do not',
@@ -60,12 +64,7 @@ OURS = ('autograder', 'drawing', 'environment', 'roslab')
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run one command.
-
-    :param arguments: the command line without the program
-    :returns: the exit code
-    """
+    """Run one command, given without the program, and return its exit code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     chosen = argparse.Namespace(command='')
     try:

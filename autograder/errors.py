@@ -37,11 +37,7 @@ def is_disk_full(error: BaseException) -> bool:
 
 
 def from_os_error(error: OSError, where: str = 'the system') -> GraderError:
-    """
-    Convert an operating-system error to a grader error with a one-line explanation.
-
-    :param where: location to show in the message if the error does not name a file
-    """
+    """Convert an operating-system error, at its file or at ``where``, to a grader error."""
     where = where if error.filename is None else error.filename
     if is_disk_full(error):
         return GraderError(
@@ -55,11 +51,7 @@ def from_os_error(error: OSError, where: str = 'the system') -> GraderError:
 
 
 def defect(error: Exception, where: str) -> GraderError:
-    """
-    Convert an unexpected exception in the grader to a grader error with a one-line message.
-
-    :param where: what the grader was working on, such as the exam's name
-    """
+    """Convert an unexpected exception in the grader to a grader error with a one-line message."""
     if isinstance(error, OSError) and is_disk_full(error):
         return from_os_error(error, where)
     return GraderError(

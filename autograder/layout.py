@@ -27,7 +27,6 @@ else:
 CHOSEN = 'COURSE_DIR'
 """The environment variable that names the folder of the course; ``--course`` sets it."""
 
-
 TABLES = ('messages', 'sections')
 
 
@@ -58,12 +57,7 @@ class Facts:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """
-    Return the content of a TOML file.
-
-    :raises OSError: if the file cannot be read
-    :raises ValueError: if the file is not valid TOML
-    """
+    """Return the content of a TOML file; OSError or ValueError if it cannot be read."""
     return tomllib.loads(path.read_text(encoding='utf-8'))
 
 
@@ -98,23 +92,14 @@ def read_facts(path: Path) -> Facts:
 
 
 def lesson_files(folder: Path) -> list[Path]:
-    """
-    Return the notebooks of all lessons, in lesson order.
-
-    :param folder: ``solutions/`` or ``notebooks/`` of a course
-    """
+    """Return the notebooks of all lessons in ``solutions/`` or ``notebooks/``, in lesson order."""
     # Skip hidden folders: JupyterLab keeps copies of notebooks in .ipynb_checkpoints/.
     return sorted(folder.glob('[!.]*/*.ipynb'))
 
 
 @dataclass(frozen=True)
 class Layout:
-    """
-    One course: its facts and its folders.
-
-    :param root: the folder with ``course.toml``, ``solutions/``, ``notebooks/`` and
-        ``nbgrader_config.py``
-    """
+    """One course: its facts and its folders below ``root``, the folder with ``course.toml``."""
 
     root: Path
 
@@ -196,11 +181,7 @@ class Layout:
         )
 
     def release(self, assignment: str) -> Path:
-        """
-        Return the released notebook of an assignment.
-
-        :raises FileNotFoundError: if the assignment has no released notebook
-        """
+        """Return the released notebook of an assignment; FileNotFoundError if there is none."""
         found = sorted((self.notebooks / assignment).glob('*.ipynb'))
         if not found:
             raise FileNotFoundError(
@@ -211,9 +192,5 @@ class Layout:
 
 @lru_cache(maxsize=8)
 def _course(root: Path, written_ns: int) -> Layout:
-    """
-    Return the course in a folder; its ``course.toml`` is read once.
-
-    :param written_ns: when the file was last written [ns]; a changed file is read again
-    """
+    """Return the course in a folder; a new ``written_ns`` [ns] means that its file has changed."""
     return Layout(root)

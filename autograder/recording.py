@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 import json
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ import zlib
 
 from autograder.errors import RecordingInvalid
 from autograder.files import write_atomically
+
+SECOND = 1_000_000_000
 
 FORMAT = 'ros2-course-recording'
 VERSION = 3
@@ -41,7 +44,6 @@ class Recording:
     The immutable recording of one run.
 
     :param header: first line of the file
-    :param events: the other lines, in order
     :param again: the recording of the second start, if the scenario has one; in the file, its
         events follow an event ``again``
     """
@@ -56,12 +58,7 @@ class Recording:
         return (self, self.again) if self.again else (self,)
 
     def of(self, kind: str, **where: Any) -> list[Event]:
-        """
-        Return the events of one kind whose fields have the given values.
-
-        :param kind: an event name, see ``docs/recording.schema.json``
-        :param where: names and values of fields
-        """
+        """Return the events of one kind (docs/recording.schema.json) with these field values."""
         found = self._by_kind.get(kind, [])
         for name, value in where.items():
             found = [event for event in found if event.get(name) == value]
@@ -85,25 +82,27 @@ class Recording:
         return self.of('message', topic=topic, listener=listener)
 
     def phase(self, name: str) -> Recording:
-        """
-        Return the part of the run from one mark to the next; empty if the run has no such mark.
-
-        :param name: name of a :class:`autograder.exam.steps.Mark`
-        """
-        inside, events = False, []
-        for event in self.events:
-            if event['event'] == 'mark':
-                inside = event['name'] == name
-            if inside:
-                events.append(event)
+        """Return the part of the run from one mark to the next; empty if there is no such mark."""
+        events = [event for part, _ in self.parts(name) for event in part.events]
         return Recording(self.header, events)
 
-    def answers(self, service: str) -> list[Event]:
+    def parts(self, name: str) -> list[tuple[Recording, float]]:
         """
-        Return the outcomes of all calls to a service, in order, including missing answers.
+        Return the parts of the run in a phase, each with its duration [s].
 
-        :param service: full name, such as ``/thermometer/get_state``
+        A part begins at a mark with this name, and ends at the next mark or at the end of the run.
         """
+        marks = [at for at, event in enumerate(self.events) if event['event'] == 'mark']
+        found = []
+        for at, after in pairwise([*marks, len(self.events)]):
+            if self.events[at]['name'] == name:
+                times_ns = [one.get('clock_ns') or 0 for one in self.events[at : after + 1]]
+                part = Recording(self.header, self.events[at:after])
+                found.append((part, (max(times_ns) - times_ns[0]) / SECOND))
+        return found
+
+    def answers(self, service: str) -> list[Event]:
+        """Return the outcomes of all calls to a service, in order, including missing answers."""
         return [
             event
             for event in self.events
@@ -111,11 +110,7 @@ class Recording:
         ]
 
     def logs(self, *, level: int | None = None) -> list[Event]:
-        """
-        Return the log lines, optionally of one level.
-
-        :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL (rcl_interfaces/msg/Log)
-        """
+        """Return the log lines, optionally of one level, such as :data:`WARN`."""
         return self.of('log') if level is None else self.of('log', level=level)
 
     @cached_property
@@ -127,8 +122,9 @@ class Recording:
         """
         Return the distinct endpoints seen in any graph of the run.
 
-        :param kind: ``'publisher'`` or ``'subscription'``
-        :param topic: full topic name, or None for all topics that ROS itself does not create
+        :param kind: ``'publisher'``, ``'subscription'`` or ``'service'``
+        :param topic: full name, or None for all topics that ROS itself does not create; services
+            that it creates are not recorded
         """
         seen: dict[str, Event] = {}
         for graph in self.of('graph'):
@@ -166,7 +162,6 @@ class Recording:
         """
         Read the output of :meth:`to_bytes`.
 
-        :param where: name of the recording in messages
         :raises RecordingInvalid: if the data is not a complete recording of this version
         """
         first, _, rest = data.partition(b'\n')

@@ -22,11 +22,7 @@ class Verdict(str, Enum):
 
 
 def shortened(text: str, most: int = 60) -> str:
-    """
-    Return a string, shortened with an ellipsis if it is too long.
-
-    :param most: maximum length of the result [characters]
-    """
+    """Return a string with an ellipsis if it is longer than ``most`` characters."""
     return text if len(text) <= most else f'{text[: most - 1]}\N{HORIZONTAL ELLIPSIS}'
 
 
@@ -75,8 +71,6 @@ class CheckResult:
     :param observed: the behaviour that the probe recorded
     :param cause: the likely cause as text; empty if unknown
     :param cause_id: short stable name of the cause, for statistics and tests
-    :param try_this: what the student can do next
-    :param read: where the student can read more
     :param waits_for: name of the check that must pass first, if the verdict is NOT_RUN
     """
 
@@ -116,7 +110,6 @@ class ExamResult:
     """
     All verdicts of one exam on one submission.
 
-    :param exam: name of the exam
     :param checks: in the order of the exam
     :param note: one sentence about the whole run; may be empty
     :param mode: isolation mode of the run, see :mod:`autograder.sandboxes.isolation`

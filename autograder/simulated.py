@@ -54,11 +54,7 @@ class TopicRecord:
 
     @property
     def msg_type(self) -> Any:
-        """
-        The class of the messages.
-
-        :raises ModuleNotFoundError: if the package of the type cannot be imported
-        """
+        """The class of the messages; ModuleNotFoundError if its package cannot be imported."""
         # Import this only here: the grader's own process never imports rclpy.
         from autograder.probe.probe_wire import load_type
 
@@ -93,7 +89,6 @@ class LogRecord:
 
     :param time_s: when the probe received the log line [s since the program started]
     :param level: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'
-    :param logger: name of the logger
     """
 
     time_s: float
@@ -112,7 +107,6 @@ class Simulation:
 
     Simulations with the same messages and log lines compare equal.
 
-    :param program: name of the program
     :param heard: messages that the program published, by the full name of the topic
     :param late: messages that late subscriptions received, by the full name of the topic
     :param sent: inputs that were sent, by the full name of the topic
@@ -122,7 +116,6 @@ class Simulation:
     :param seconds: duration of the simulation in virtual time [s]
     :param exit: exit code of the program, or None if it did not end
     :param printed: the beginning and the end of the printed output, standard error last
-    :param mode: isolation mode of the sandbox
     """
 
     program: str
@@ -167,11 +160,7 @@ class Simulation:
         return list(self[topic].times)
 
     def logged(self, level: str) -> list[LogRecord]:
-        """
-        Return the log lines of one level.
-
-        :param level: name of the level, such as ``'WARN'``
-        """
+        """Return the log lines of one level, such as ``'WARN'``."""
         return [line for line in self.logs if line.level == level.upper()]
 
     @property

@@ -20,7 +20,7 @@ from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.runs import observe as observing
 from autograder.sandboxes.choose import strongest
-from autograder.sandboxes.probes import Probe, start_probe
+from autograder.sandboxes.forked import Probe, start_probe
 from autograder.sandboxes.processes import usage
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.notebook import read_release

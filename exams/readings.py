@@ -21,7 +21,6 @@ THRESHOLD_C = 30.0
 UNITS = ('Celsius', 'Fahrenheit')
 SENSORS = ('temp_sensor_01', 'temp_sensor_02', '')
 
-
 WHY = Causes(__file__, THRESHOLD_C=THRESHOLD_C)
 
 
@@ -113,11 +112,7 @@ def warns(
 
 
 def takes_for(known: Callable[[str], str]) -> Rule:
-    """
-    Return the rule of a monitor that reads some unknown units as known ones.
-
-    :param known: returns the unit that the monitor assumes for a given unit
-    """
+    """Return the rule of a monitor that takes some unknown units for known ones."""
     return warns(celsius=lambda one: replace(one, unit=known(one.unit)).celsius)
 
 

@@ -21,25 +21,21 @@ from roslab.listening import listen
 from roslab.live_picture import paint_all
 from roslab.live_plot import plot
 from roslab.logtable import logs, record_logs
-from roslab.lost_line import refuse_programs
-from roslab.magics import register
+from roslab.magics import refuse_programs, register
 from roslab.messages import build_messages
 from roslab.output import shell
-from roslab.own_domain import claim_domain, domain
-from roslab.own_kernel import require_variables
+from roslab.own_kernel import claim_domain, domain, require_variables
 from roslab.package_files import package
 from roslab.pages import lay_out
-from roslab.progress import progress
+from roslab.progress import answer, progress
 from roslab.qos_table import qos_table
 from roslab.quiz import quiz
 from roslab.recording import record, replay
 from roslab.robot import robot
-from roslab.session import nodes, start, stop, stop_all
+from roslab.session import nodes, start, stop, stop_all, wait_until
 from roslab.simulating import recorded_runs, simulate
 from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
 from roslab.timeline_picture import timeline
-from roslab.waiting import wait_until
-from roslab.worked_answers import answer
 
 __all__ = [
     'NameRefusedError',

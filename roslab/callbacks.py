@@ -36,7 +36,6 @@ class Source(NamedTuple):
     """
     A timer, subscription, service or event whose callback an executor calls.
 
-    :param node: name of the node
     :param name: a topic, a service or a period
     :param function: name of the callback, empty for a lambda
     :param group: the callback group, empty for the default one of the node
@@ -52,7 +51,6 @@ class Call(NamedTuple):
     """
     One callback, or an event without a callback; times count from the start of the watch [s].
 
-    :param source: what the callback belongs to
     :param came: when its message arrived, or when its timer was due; None if unknown
     :param began: None if no callback began during the watch
     :param ended: None if it did not end during the watch

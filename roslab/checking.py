@@ -1,5 +1,5 @@
 """
-Run visible checks: the grader's own engine, applied to the learner's saved files.
+Run visible checks, the grader's own engine on the learner's saved files, and show the result.
 
 The learner's code does not run in the kernel.  A child process runs it, in a sandbox if one is
 available, and prints its verdicts as one line of JSON.
@@ -7,11 +7,14 @@ available, and prints its verdicts as one line of JSON.
 
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 import difflib
+import html
 import json
 import os
 from pathlib import Path
 import re
+import textwrap
 from typing import Any
 from urllib.parse import quote
 
@@ -20,22 +23,127 @@ from IPython import get_ipython
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
+from autograder.explaining.feedback import causes_once, check_lines, number, WIDTH
+from autograder.explaining.feedback_html import checks_html, Lessons, paragraph
 from autograder.layout import Layout, lesson_files
-from autograder.results import ExamResult, Problem
+from autograder.results import ExamResult, Problem, Verdict
 from autograder.submission.cells import magic_line, UNSOLVED
 from autograder.submission.package import with_missing_file
 from roslab import run_command
 from roslab.error_hints import saved_file, texts_now
 from roslab.errors import RoslabError, shown_as
-from roslab.package_files import learner_package, LearnerPackage
-from roslab.progress import remember
-from roslab.report import CheckReport
-from roslab.saved_files import describe, edited_since, look_up
-from roslab.worked_answers import offer
+from roslab.output import current_cell, show
+from roslab.package_files import describe, edited_since, learner_package, LearnerPackage, look_up
+from roslab.progress import offer, remember
 
 _DEADLINE_S = 180.0
 _CHECKER = 'the checker itself, not your code'
 _CHECKED = re.compile(r"""\bcheck\(['"](\w+)['"]\)""")
+
+_NO_SANDBOX = (
+    'Your code ran in a plain process without a sandbox, which is fine for your own code.'
+)
+
+
+@dataclass
+class CheckReport:
+    """
+    The result of the visible checks of one exercise.
+
+    :param result: the verdicts, None if the exercise could not be judged
+    :param unfinished: files that still contain a stub
+    :param judged: one line that names the judged files and the cells that saved them
+    :param edited: files whose cell was edited after the file was saved
+    :param left_over: files that no cell of the notebook saves now
+    :param lessons: addresses of the lessons' notebooks by their numbers, for links to sections
+    :param worked: the line about the worked answer, as text and as HTML
+    """
+
+    exam: str
+    result: ExamResult | None = None
+    problem: Problem | None = None
+    unfinished: tuple[str, ...] = ()
+    judged: str = ''
+    edited: tuple[str, ...] = ()
+    left_over: tuple[str, ...] = ()
+    lessons: Lessons = field(default_factory=dict)
+    worked: tuple[str, str] = ('', '')
+    _shown_in: int | None = field(default=None, repr=False, compare=False)
+
+    def __bool__(self) -> bool:
+        """Return whether every check passed."""
+        checks = self.result.checks if self.result else ()
+        return bool(checks) and all(check.verdict is Verdict.PASSED for check in checks)
+
+    @property
+    def points(self) -> float:
+        """The points reached in the visible checks."""
+        return self.result.points if self.result else 0.0
+
+    @property
+    def max_points(self) -> float:
+        """The maximum number of points of the visible checks."""
+        return self.result.max_points if self.result else 0.0
+
+    def show(self) -> None:
+        """Show the report in the running cell."""
+        cell = current_cell()
+        self._shown_in = cell.number if cell else None
+        show(str(self), self._repr_html_())
+
+    def _ipython_display_(self) -> None:
+        """Show the report as the value of a later cell; the cell of the check already shows it."""
+        cell = current_cell()
+        if cell is None or cell.number != self._shown_in:
+            self.show()
+
+    @property
+    def _headline(self) -> str:
+        if self.result is None:
+            return f'{self.exam}: not checked'
+        points = f'{number(self.points)} of {number(self.max_points)} points'
+        return f'{self.exam}: {points} in the visible checks'
+
+    @property
+    def _remarks(self) -> list[str]:
+        """Return the lines to print below the checks."""
+        remarks = [f'Judged: {self.judged}.'] if self.judged else []
+        remarks += [
+            f'{name} is older than its cell: the cell was edited, but not run. Run it, then check '
+            'again.'
+            for name in self.edited
+        ]
+        remarks += [
+            f'{name} is not finished: it still has YOUR CODE HERE.' for name in self.unfinished
+        ]
+        remarks += [
+            f'{name} is left over: no cell saves it any more, and you hand in only cells. '
+            "Did you change the first line of its cell, the one with %% and the file's name?"
+            for name in self.left_over
+        ]
+        if self.problem is not None:
+            remarks.append(self.problem.line())
+        if self.result is not None:
+            remarks += [self.result.note] if self.result.note else []
+            if self.result.mode == 'none':
+                remarks.append(_NO_SANDBOX)
+        return remarks
+
+    def __repr__(self) -> str:
+        lines = [self._headline]
+        for remark in self._remarks:
+            lines += textwrap.wrap(remark, WIDTH, initial_indent='  ', subsequent_indent='  ')
+        if self.result is not None:
+            for check in causes_once(self.result):
+                lines += check_lines(check)
+        lines += ['', self.worked[0]] if self.worked[0] else []
+        return '\n'.join(lines)
+
+    def _repr_html_(self) -> str:
+        remarks = ''.join(paragraph(remark) for remark in self._remarks)
+        checks = checks_html(self.result, self.lessons) if self.result else ''
+        head = f'<strong>{html.escape(self._headline)}</strong>'
+        return f'<div>{head}{remarks}{checks}{self.worked[1]}</div>'
 
 
 def check(exam: Any = None) -> CheckReport:
@@ -106,11 +214,7 @@ def _with_cells(result: ExamResult, missing: Sequence[str], folder: str) -> Exam
 
 
 def _addresses(assignment: str) -> dict[str, str]:
-    """
-    Return the addresses of all lessons by number, relative to the given lesson.
-
-    :raises FileNotFoundError: if the notebook of this lesson is missing
-    """
+    """Return the addresses of all lessons by number, relative to a lesson that must exist."""
     own = Layout.here().release(assignment)
     found = {path.parent.name.partition('_')[0]: path for path in lesson_files(own.parents[1])}
     addresses = {

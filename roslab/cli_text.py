@@ -56,7 +56,6 @@ def field_text(
     """
     Return the value of one field as ``ros2 topic echo --field`` prints it, with a line break.
 
-    :param value: value of the field, which may be a message
     :param field_type: its type as in ``get_fields_and_field_types``, needed for ``no_arr``
     """
     plain = _plain(value, field_type, shorten)
@@ -126,11 +125,7 @@ def to_yaml(data: Any, flow: bool = False) -> str:
 
 
 def topic_list_text(topics: NamesAndTypes, types: bool = False) -> str:
-    """
-    Return what ``ros2 topic list`` prints.
-
-    :param types: include the types, as ``-t`` does
-    """
+    """Return what ``ros2 topic list`` prints, with types as ``-t`` does if they are requested."""
     return '\n'.join(
         f'{name} [{", ".join(kinds)}]' if types else name for name, kinds in sorted(topics)
     )
@@ -147,8 +142,6 @@ def topic_info_text(
 
     :param types: types of the topic; more than one type, which is a mistake, is shown as a list
     :param publishers: rclpy's ``TopicEndpointInfo``, whose ``str()`` is printed
-    :param subscriptions: the same for subscriptions
-    :param verbose: include each endpoint, as ``-v`` does
     """
     blocks = [
         f'Type: {types[0] if len(types) == 1 else list(types)}',
@@ -179,11 +172,7 @@ def node_info_text(name: str, entities: Mapping[str, NamesAndTypes]) -> str:
 
 
 def hz_text(times: Sequence[float]) -> str:
-    """
-    Return what ``ros2 topic hz`` prints.
-
-    :param times: arrival times of at least two messages [s]
-    """
+    """Return what ``ros2 topic hz`` prints for the arrival times of two or more messages [s]."""
     gaps = [later - earlier for earlier, later in pairwise(times)]
     mean = sum(gaps) / len(gaps)
     deviation = math.sqrt(sum((gap - mean) ** 2 for gap in gaps) / len(gaps))

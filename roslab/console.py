@@ -48,11 +48,7 @@ def log_text(level: str, logger: str, message: str) -> str:
 
 
 def mark_console() -> bool:
-    """
-    Make ROS put marks around each console line.
-
-    :returns: False if ROS had already set up its log outputs, so that the marks have no effect
-    """
+    """Make ROS put marks around each console line; False if its log outputs are set up already."""
     if rclpy.context.g_logging_ref_count:
         return False
     with _variables(_VARIABLES):

@@ -66,7 +66,6 @@ class NotebookCell:
     A code cell of the notebook.
 
     :param identifier: its id in the notebook file
-    :param heading: heading of its section
     :param file: the file that a cell such as ``%%node`` saves
     :param grade_id: nbgrader id of an exercise's cell
     :param execution: the n of its ``In [n]``, None if the saved notebook has none
@@ -110,11 +109,7 @@ def load_ipython_extension(shell: Any) -> None:
 
 
 def advice(error: BaseException, shell: Any) -> str | None:
-    """
-    Return the text that replaces the traceback of an error.
-
-    :returns: None if the usual traceback should be shown
-    """
+    """Return the text that replaces the traceback of an error; None for the usual traceback."""
     at_once = isinstance(error, KeyboardInterrupt) or isinstance(
         error.__context__, KeyboardInterrupt
     )
@@ -178,11 +173,7 @@ def running_cell(shell: Any) -> NotebookCell | None:
 
 
 def read_cells(path: Path | None = None) -> list[NotebookCell]:
-    """
-    Return the code cells of a notebook as last saved, empty if they cannot be read.
-
-    :param path: the notebook, None for the running one
-    """
+    """Return the code cells of a notebook, by default the running one, as last saved, or none."""
     path = path or notebook_path()
     if path is None:
         return []
@@ -194,11 +185,7 @@ def read_cells(path: Path | None = None) -> list[NotebookCell]:
 
 
 def texts_now(shell: Any) -> list[str]:
-    """
-    Return the source of the notebook's code cells, as last run or otherwise as saved.
-
-    :returns: an empty list if the notebook is unknown
-    """
+    """Return the source of the code cells, as last run or otherwise as saved; none if unknown."""
     saved = read_cells()
     if not saved:
         return []

@@ -32,6 +32,8 @@ Around = Callable[[Node | None], AbstractContextManager[None]]
 _MOST_FAILURES_IN_A_ROW = 100
 _PATIENCE_S = 1.0
 """How long to wait for a running callback [s]."""
+_SLICE_S = 0.05
+"""Time between two checks of a condition while no callback runs, as during discovery [s]."""
 
 
 def force_destroy(node: Node) -> None:
@@ -68,14 +70,13 @@ class Progress:
             if waiter.empty():
                 waiter.put(None)
 
-    def wait(self, reached: Callable[[], Any], timeout_s: float, slice_s: float) -> Any:
+    def wait(self, reached: Callable[[], Any], timeout_s: float) -> Any:
         """
         Return the value of ``reached`` as soon as it is true, or its last value after the timeout.
 
-        :param reached: called in this thread, after each callback and at least once per slice
-        :param timeout_s: how long to wait [s]
-        :param slice_s: the longest time between two calls [s]; discovery runs in the background
-            without a callback, so only another call of ``reached`` sees its results
+        :param reached: called in this thread, after each callback and at least every ``_SLICE_S``:
+            discovery runs in the background without a callback, so only another call of
+            ``reached`` sees its results
         """
         waiter: SimpleQueue[None] = SimpleQueue()
         end = time.monotonic() + timeout_s
@@ -83,7 +84,7 @@ class Progress:
         try:
             while not (value := reached()) and (left := end - time.monotonic()) > 0:
                 with suppress(Empty):
-                    waiter.get(timeout=min(left, slice_s))
+                    waiter.get(timeout=min(left, _SLICE_S))
             return value
         finally:
             self._waiting.discard(waiter)
@@ -93,7 +94,6 @@ class BackgroundExecutor(Executor):
     """
     A daemon thread that runs callbacks one at a time, and survives their exceptions.
 
-    :param context: the initialised context of all its nodes
     :param on_failure: called in the thread with the node and its callback's exception
     :param progress: notified in the thread after each callback and request
     :param around: given a node, returns the context manager to enter for each of its callbacks
@@ -187,8 +187,8 @@ class BackgroundExecutor(Executor):
         if not self._do(go, _PATIENCE_S):
             go()  # a callback still blocks the thread, so no wait set is in use
 
-    def stop(self) -> bool:
-        """Stop the thread, and return whether it has ended."""
+    def stop(self) -> None:
+        """Stop the thread, if its callback ends."""
         self._stopping = True
         self.ask(lambda: None)
         self._thread.join(_PATIENCE_S)
@@ -197,7 +197,6 @@ class BackgroundExecutor(Executor):
             self._thread.join(_PATIENCE_S)
         if not self._thread.is_alive():
             self.shutdown()
-        return not self._thread.is_alive()
 
     def _do(self, action: Callable[[], object], patience_s: float) -> bool:
         """Run an action in the thread; return False if it was withdrawn after the timeout."""

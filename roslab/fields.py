@@ -49,7 +49,6 @@ def number_getter(msg_type: Any, path: str) -> Callable[[Any], float | None]:
     """
     Return a function that reads a numeric field from a message.
 
-    :param msg_type: class of the messages
     :param path: field names joined by dots, array indices in brackets
     :returns: the function, which returns None if an array is too short
     :raises RoslabError: if the field does not exist or is not numeric

@@ -44,10 +44,7 @@ class Entry(NamedTuple):
     One error of the gallery.
 
     :param key: name of the entry and id of the cell in lesson 08 that makes the mistake
-    :param heading: heading of the entry's section in lesson 08
     :param patterns: regular expressions that match an error message or a description of a symptom
-    :param cause: what happened
-    :param repair: what to do
     """
 
     key: str
@@ -57,11 +54,7 @@ class Entry(NamedTuple):
     repair: str
 
     def matched(self, text: str) -> int:
-        """
-        Return the length of the text that matches this entry, 0 if there is no match.
-
-        :param text: a message in which each run of white space is one space
-        """
+        """Return the length of the match in a text with single spaces, 0 if there is no match."""
         found = (re.search(pattern, text, re.IGNORECASE) for pattern in self.patterns)
         return max((len(match.group()) for match in found if match), default=0)
 

@@ -18,14 +18,7 @@ from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 
 from drawing.connections import Edge
-from roslab.ros2.graph import (
-    full_name,
-    is_hidden,
-    node_names,
-    QUIET_TOPICS,
-    topics_of,
-    UNKNOWN,
-)
+from roslab.ros2.graph import full_name, is_hidden, node_names, QUIET_TOPICS, topics_of, UNKNOWN
 from roslab.session import HELPER_NAME
 
 NOBODY_SUBSCRIBES = 'nobody subscribes'
@@ -44,7 +37,6 @@ class Endpoint:
     A publisher or a subscription.
 
     :param node: full name of its node
-    :param type: such as ``std_msgs/msg/String``
     :param here: whether it belongs to this kernel's participant; True without a check if no other
         notebook is in the graph
     """
@@ -85,11 +77,7 @@ class Topic:
 
 
 class Pair(NamedTuple):
-    """
-    A publisher and a subscription on the same topic.
-
-    :param reason: why they do not match, empty if they do
-    """
+    """A publisher and a subscription on a topic, and the reason why they do not match, or ''."""
 
     publisher: str
     topic: str
@@ -103,7 +91,6 @@ class Facts:
     The graph at one moment.
 
     :param nodes: full names; a name that n nodes share is listed n times
-    :param everything: whether the picture includes hidden nodes
     """
 
     nodes: tuple[str, ...]

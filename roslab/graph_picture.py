@@ -8,8 +8,7 @@ from roslab.graph_facts import Facts, only_topic, read_graph, Topic
 from roslab.lookup import DISCOVERY_S, not_here, resolved
 from roslab.output import counted
 from roslab.ros2.graph import QUIET_TOPICS, topic_types, topics_of
-from roslab.session import session
-from roslab.waiting import wait_in
+from roslab.session import session, wait_in
 
 _REMARK_WIDTH = 34
 

@@ -135,11 +135,7 @@ def interrupted() -> bool:
 
 @dataclass
 class _CellState:
-    """
-    The state of the message that the kernel is handling.
-
-    :param interrupted: whether an interrupt was delivered since the start of the cell
-    """
+    """The number of the message that the kernel handles, and whether its cell was interrupted."""
 
     message: int = 0
     interrupted: bool = False
@@ -164,8 +160,6 @@ def _resending_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
     The hook also hides errors of an ``Executor()`` or ``!command`` whose creation was interrupted:
     its ``__del__`` runs later, during another cell, and accesses attributes that were never set.
-
-    :param tell: called for all other exceptions
     """
 
     def dropped(unraisable: Any) -> None:

@@ -24,8 +24,7 @@ from roslab.ros2.graph import (
     topic_types,
     topics_of,
 )
-from roslab.session import session
-from roslab.waiting import wait_in
+from roslab.session import session, wait_in
 
 _MOST_KEPT = 100
 

@@ -10,8 +10,7 @@ from rclpy.node import Node
 from drawing import svg
 from roslab.errors import NotHereError, RoslabError
 from roslab.ros2.service_calls import wait_for_discovery
-from roslab.session import session
-from roslab.waiting import wait_in
+from roslab.session import session, wait_in
 
 STATES = {
     'unconfigured': (10, 60),
@@ -44,12 +43,7 @@ _PATIENCE_S = 3.0
 
 
 class LifecyclePicture:
-    """
-    A state machine at one moment, shown as a picture in a notebook and as text by ``str()``.
-
-    :param name: full name of the node
-    :param state: label of the current state, which may be a transition state
-    """
+    """A state machine at one moment, shown as a picture in a notebook and as text by ``str()``."""
 
     def __init__(self, name: str, state: str) -> None:
         self.name = name

@@ -14,8 +14,7 @@ from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
 from roslab.lookup import type_name, why_silent
 from roslab.ros2.graph import topic_types
-from roslab.session import session
-from roslab.waiting import timeout_error, wait_in
+from roslab.session import session, timeout_error, wait_in
 
 _MOST_MESSAGES = 10_000
 
@@ -27,9 +26,6 @@ class Listener:
     It receives messages as long as a variable refers to it, so a cell that runs again replaces its
     listener.  ``stop_all()`` ends its subscription too but keeps the received messages; ``wait``
     and ``clear`` subscribe again.
-
-    :param topic: name of the topic
-    :param msg_type: class of the topic's messages
     """
 
     def __init__(self, topic: str, msg_type: type, qos: QoSProfile) -> None:

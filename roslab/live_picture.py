@@ -76,7 +76,7 @@ class LivePicture:
             self._place = uuid4().hex if has_frontend() and self._can_change() else ''
             self._handle = display(self._bundle(self._place), raw=True, display_id=True)
             if self._place:
-                from roslab.picture_widget import PictureWidget  # slow to import
+                from roslab.widgets import PictureWidget  # slow to import
 
                 self._widget = PictureWidget(self._place)
         self._resume_updates()

@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
+from autograder.recording import LEVELS
 from drawing.svg import ORANGE, RED
 from roslab.output import text_table
 
 _MOST_LINES = 5000
-_LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
 _TINTS = {'WARN': f'{ORANGE}29', 'ERROR': f'{RED}29', 'FATAL': f'{RED}29'}
 """Transparent, because no colour of letters is readable on both a light and a dark page."""
 _HOOK = 'rclpy_logging_rcutils_log'
@@ -89,7 +89,7 @@ class _Recorder:
             # In this case rclpy raises an exception, so there is no line to store.
             self._write(severity, name, message, *place)
             return
-        level = _LEVELS.get(int(severity), str(severity))
+        level = LEVELS.get(int(severity), str(severity))
         line = LogLine(time.time(), level, str(name), message)
         self.on_line(line)
         self._write(severity, name, message, *place)

@@ -15,19 +15,14 @@ from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 from roslab.errors import NotHereError, RoslabError
 from roslab.ros2.graph import QUIET_TOPICS, topic_types, topics_of
 from roslab.ros2.interface import interface_class
-from roslab.session import session
-from roslab.waiting import wait_in
+from roslab.session import session, wait_in
 
 DISCOVERY_S = 3.0
 """Maximum time to discover a topic or a node of another process [s]."""
 
 
 def resolved(node: Node, topic: str) -> str:
-    """
-    Return the full name of a topic.
-
-    :raises RoslabError: if the name is not a valid topic name
-    """
+    """Return the full name of a topic; RoslabError if it is not a valid topic name."""
     try:
         name: str = node.resolve_topic_name(topic)
     except Exception as error:  # rclpy and rcl raise unrelated exception classes for invalid names
@@ -71,11 +66,7 @@ def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
 
 
 def message_class(type_name: str) -> Any:
-    """
-    Return the class of a message type.
-
-    :raises NotHereError: if its package cannot be imported here
-    """
+    """Return the class of a message type; NotHereError if its package cannot be imported here."""
     try:
         return interface_class(type_name)
     except LookupError:

@@ -43,10 +43,8 @@ _PRELOADED = (
 )
 """Suffixes of message libraries, sorted so that each library follows its dependencies."""
 
-
 _PARALLEL = f'-j{(os.cpu_count() or 1) + 1}'
 """Replaces colcon's default ``-jN -lN``: with -l, a busy machine builds one file at a time."""
-
 
 _MARK = re.compile(r'(?m)^\[ *(\d+)(/\d+|%)\]')
 
@@ -56,13 +54,10 @@ class BuildReport:
     """
     The outcome of a build.
 
-    :param package: name of the package
     :param ok: whether its messages can be used
     :param messages: names such as 'Temperature'
     :param seconds: how long the build took [s], 0 if nothing had changed
-    :param diagnosis: why the build failed
     :param restart: whether the kernel must be restarted to import the built package
-    :param log: the complete output of the build
     """
 
     package: str
@@ -259,11 +254,7 @@ _loaded: dict[str, str] = {}
 
 
 def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
-    """
-    Let this process import the built package.
-
-    :returns: False if this process has already loaded a different version
-    """
+    """Let this process import the built package; False if it has loaded a different version."""
     name = package.name
     if name in _loaded:
         return _loaded[name] == interfaces

@@ -33,23 +33,14 @@ def shell() -> Any | None:
 
 
 class Cell(NamedTuple):
-    """
-    The execution of a notebook cell.
-
-    :param number: execution number, the n of ``In [n]``
-    :param request: header and metadata of the execution request
-    """
+    """The execution of a cell: the n of ``In [n]``, and the header and metadata of its request."""
 
     number: int
     request: Mapping[str, Any]
 
     @property
     def has_frontend(self) -> bool:
-        """
-        Return whether a frontend shows the output.
-
-        Frontends include the id of the cell in the request; nbclient and a console do not.
-        """
+        """Return whether a frontend shows the output: its requests contain the id of the cell."""
         return 'cellId' in self.request.get('metadata', {})
 
 
@@ -91,12 +82,7 @@ def text_table(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> st
 
 
 def show(text: str, html: str) -> None:
-    """
-    Show a table: HTML in a frontend, plain text on stdout otherwise.
-
-    :param text: all facts as plain text; stored together with the HTML in the notebook file
-    :param html: the same facts as HTML
-    """
+    """Show a table: HTML in a frontend; the same facts as plain text on stdout otherwise."""
     if not has_frontend():
         say(text)
         return

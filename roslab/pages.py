@@ -71,7 +71,6 @@ class Pages:
     """
     Sends the output of each thread to the correct cell.
 
-    :param stream: the kernel's stdout
     :param console: processes the marked log lines in the output that the kernel reads back
     """
 

@@ -27,7 +27,6 @@ class Curve:
     """
     The data to draw.
 
-    :param name: topic and field, as in the title
     :param points: sorted by time; a value that is not finite leaves a gap
     :param seconds: length of the time axis [s]
     :param threshold: a value to draw as a horizontal line; values above it are highlighted

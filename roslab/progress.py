@@ -1,5 +1,5 @@
 """
-Store the last results of ``check(...)`` and ``quiz(...)``, count tries, and show the results.
+Store the last results of ``check(...)`` and ``quiz(...)``; show them and the answers they unlock.
 
 One JSON file in the course's work folder holds the results. It is never sent anywhere, and the
 grader never reads it: it is for the learner and is not evidence.
@@ -20,10 +20,11 @@ from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.explaining.feedback import number
 from autograder.explaining.feedback_html import section_id
+from autograder.explaining.worked_answers import FOLDER, read_answers
 from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout, lesson_files
 from autograder.submission.outline import Outline, Part, read_outline
-from roslab.errors import RoslabError
+from roslab.errors import NotHereError, RoslabError
 from roslab.output import say, show, text_table
 
 FILE = 'progress.json'
@@ -33,6 +34,9 @@ ABOUT = (
     'how often each answer was checked. Only progress() and answer() read this file; '
     'progress(forget=True) deletes it.'
 )
+TRIES = 3
+"""Number of tries after which the worked answer opens without full points."""
+SHOW = 'Show me a worked answer'
 HEADER = ('lesson', 'minutes', 'points', 'quiz')
 
 Results = dict[str, dict[str, float]]
@@ -86,11 +90,7 @@ def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
 
 
 def read_results(path: Path) -> Results:
-    """
-    Return the stored results, empty if there is no file.
-
-    :raises RoslabError: if the file cannot be read or has invalid contents
-    """
+    """Return the stored results, empty without a file; RoslabError if the file is not valid."""
     try:
         found = json.loads(path.read_text(encoding='utf-8'))
     except FileNotFoundError:
@@ -207,3 +207,63 @@ def _as_html(lessons: Sequence[Outline], results: Results) -> str:
 def _link(path: Path, text: str, section: str = '') -> str:
     address = quote(os.path.relpath(path)) + section
     return f'<a href="{html.escape(address)}">{text}</a>'
+
+
+# -- worked answers -------------------------------------------------------------------------
+
+
+def answer(exam: Any) -> None:
+    """
+    Show a worked answer, which is one of many right answers.
+
+    :param exam: name of the exercise, as in ``check('talker')``
+    :raises RoslabError: if the learner may not see the answer yet
+    :raises NotHereError: if this copy has none, for example because the instructor withholds them
+    """
+    __tracebackhide__ = True
+    found = worked_answer(exam)
+    if not found:
+        raise NotHereError(
+            f'answer({exam!r}): this copy of the course has no worked answer of that name.'
+        )
+    if closed := when_it_opens(exam):
+        raise RoslabError(closed)
+    show(found, _answer_html(found))
+
+
+def offer(exam: str) -> tuple[str, str]:
+    """Return how or when the worked answer opens, as text and as HTML; empty if there is none."""
+    try:
+        found = worked_answer(exam)
+        closed = when_it_opens(exam) if found else ''
+    except (GraderError, RoslabError):  # remember() has already reported the problem
+        return '', ''
+    if not found:
+        return '', ''
+    if closed:
+        return closed, f'<p>{html.escape(closed)}</p>'
+    line = f'{SHOW}: from roslab import answer; answer({exam!r})'
+    return line, f'<details><summary>{SHOW}</summary>{_answer_html(found)}</details>'
+
+
+def _answer_html(text: str) -> str:
+    return f'<pre style="white-space: pre-wrap">{html.escape(text)}</pre>'
+
+
+def worked_answer(exam: Any) -> str:
+    """Return the text of a worked answer, empty if this copy contains none."""
+    if exam not in catalog.names(hidden=False):
+        return ''
+    lesson = catalog.load(exam, hidden=False).assignment
+    return read_answers(Layout.here().root / FOLDER / f'{lesson}.txt').get(exam, '')
+
+
+def when_it_opens(exam: str) -> str:
+    """Return when the worked answer opens, empty if it is already open."""
+    results = read_results(Layout.here().work / FILE)
+    left = TRIES - int(results['tries'].get(exam, 0))
+    most = catalog.load(exam, hidden=False).max_points
+    if left <= 0 or results['checks'].get(exam, 0) >= most:
+        return ''
+    tries = 'one more try' if left == 1 else f'{left} more tries'
+    return f'The worked answer opens when check({exam!r}) gives full points, or after {tries}.'

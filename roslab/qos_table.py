@@ -88,12 +88,8 @@ class Cell:
     """
     The outcome for one pair of endpoints.
 
-    :param offered: QoS of the publisher, as text
-    :param requested: QoS of the subscription, as text
-    :param matched: whether the two endpoints matched
     :param refused_for: incompatible policies that the events of both sides name
     :param check: verdict of ``qos_check_compatible``: OK, WARNING or ERROR
-    :param reason: the reason that ``qos_check_compatible`` gives
     :param documented: the prediction of the documented rule; None if the rule makes none
     :param became: the values that the middleware chose for publisher and subscription
     """
@@ -147,7 +143,6 @@ class QosTable:
 
     :param policy: name of the table, a key of :data:`CHOICES`
     :param first: the side of each pair that was created first
-    :param cells: the pairs, row by row
     """
 
     def __init__(self, policy: str, first: str, cells: Sequence[Cell]) -> None:
@@ -342,12 +337,7 @@ def _await_all(pairs: Sequence[_Pair], executor: SingleThreadedExecutor) -> None
 
 
 def documented(policy: str, offered: str, requested: str) -> bool | None:
-    """
-    Return whether an offer is at least as strong as a request, as the documented rule requires.
-
-    :param policy: name of the table
-    :returns: None if the rule makes no prediction
-    """
+    """Return whether an offer is as strong as a request; None if the documented rule is silent."""
     if policy in _NEVER_MATTERS:
         return True
     if any(name in _UNDECIDED for name in (offered, requested)):

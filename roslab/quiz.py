@@ -38,11 +38,7 @@ class QuizError(RoslabError):
 
 @dataclass(frozen=True)
 class Option:
-    """
-    One answer of a multiple-choice question.
-
-    :param why: explanation shown after the learner chooses the answer
-    """
+    """One answer of a question; ``why`` is shown after the learner chooses it."""
 
     text: str
     right: bool
@@ -74,17 +70,13 @@ def quiz(key: str) -> Any:
     """
     __tracebackhide__ = True
     question = find(key)
-    from roslab.quiz_widget import QuizWidget  # slow to import, and only some lessons need it
+    from roslab.widgets import QuizWidget  # slow to import, and only some lessons need it
 
     return QuizWidget(question)
 
 
 def find(key: str, folder: Path = FOLDER) -> Question:
-    """
-    Return a question.
-
-    :raises QuizError: if no question has this key, or its file contains a mistake
-    """
+    """Return a question; QuizError if no question has this key, or its file has a mistake."""
     __tracebackhide__ = True
     lesson = str(key)[:2]
     own = [path for path in files(folder) if path.name.startswith(f'{lesson}_')]
@@ -107,11 +99,7 @@ def files(folder: Path = FOLDER) -> list[Path]:
 
 
 def load(path: Path) -> list[Question]:
-    """
-    Read all questions of one file.
-
-    :raises QuizError: if the file is not a list of questions as described above
-    """
+    """Read all questions of a file; QuizError if it is not a list as described above."""
     __tracebackhide__ = True
     try:
         return [_question(entry) for entry in yaml.safe_load(path.read_text(encoding='utf-8'))]

@@ -20,8 +20,7 @@ from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
 from roslab.lookup import no_publisher, resolved
 from roslab.output import say
-from roslab.session import session
-from roslab.waiting import timeout_error, wait_in
+from roslab.session import session, timeout_error, wait_in
 
 if TYPE_CHECKING:
     from roslab.bags.bag import Bag
@@ -86,8 +85,7 @@ def replay(file: str | Path, *topics: str, rate: float = 1.0) -> None:
 
 
 def _recorded(path: Path, sources: Sequence[object], seconds: float) -> Bag:
-    from roslab.bags.recorder import Recorder
-    from roslab.bags.writer import BagWriter
+    from roslab.bags.writer import BagWriter, Recorder
 
     current = session()
     node = current.helper

@@ -52,12 +52,7 @@ class Construction:
 
 
 def key_of(name: str, namespace: str | None) -> str:
-    """
-    Return the key of a node in a notebook: its name, or its full name if it has a namespace.
-
-    :param name: name of the node without namespace
-    :param namespace: as given to ``Node`` or returned by ``get_namespace``
-    """
+    """Return the key of a node in a notebook: its name, or its full name if it has a namespace."""
     space = (namespace or '').strip('/')
     return f'/{space}/{name}' if space else name
 

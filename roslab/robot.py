@@ -32,7 +32,6 @@ class Robot(LivePicture):
     """
     A robot in a room of 6 m by 3 m, from above; it starts at x = 0, y = 0, facing along x.
 
-    :param track: its track so far
     :param clock: returns the time since the start [s]; None for a robot that no longer moves
     """
 

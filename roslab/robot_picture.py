@@ -36,11 +36,7 @@ _HEAD = ('seconds', 'what', 'times', 'speed [m/s]', 'turn [rad/s]', 'x [m]', 'y 
 
 
 def track_words(track: Track, refused: str = '') -> str:
-    """
-    Return a description of the picture.
-
-    :param refused: QoS policy for which a publisher was refused, empty if none was
-    """
+    """Describe the picture; ``refused`` is the QoS policy of a refused publisher, or empty."""
     words = f'The robot is at {_place(track)}, after {track.time_s:.1f} s, and '
     if track.moving:
         words += f'drives {track.speed:g} m/s, turning {track.turn:g} rad/s'

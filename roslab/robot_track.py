@@ -17,13 +17,7 @@ NOT_FINITE = 'not a finite number: stops'
 
 
 class Pose(NamedTuple):
-    """
-    Position and heading.
-
-    :param x: ahead of the start [m]
-    :param y: to the left of the start [m]
-    :param heading: anticlockwise from the x axis [rad]
-    """
+    """Position ahead and to the left of the start [m]; heading, anticlockwise from x [rad]."""
 
     x: float
     y: float
@@ -38,7 +32,6 @@ class Happened(NamedTuple):
     :param what: :data:`COMMAND`, :data:`DEADLINE`, :data:`WALL` or :data:`NOT_FINITE`
     :param speed: of the robot from then on [m/s]
     :param turn: of the robot from then on [rad/s]
-    :param pose: of the robot at that time
     """
 
     time_s: float
@@ -112,12 +105,7 @@ class Track:
 
 
 def moved(pose: Pose, speed: float, turn: float, seconds: float) -> Pose:
-    """
-    Return the pose after driving along one arc.
-
-    :param speed: [m/s]
-    :param turn: [rad/s]
-    """
+    """Return the pose after driving along one arc, with a speed [m/s] and a turn [rad/s]."""
     angle = turn * seconds
     # The chord of the arc; sin(a)/a is 1 for a straight line.
     half = angle / 2

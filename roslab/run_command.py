@@ -85,12 +85,7 @@ def run(
 
 
 def run_grader(module: str, *arguments: str, text: str, deadline_s: float) -> Outcome:
-    """
-    Run a module of the grader on the learner's files.
-
-    :param text: description of the work, shown next to the elapsed seconds
-    :param deadline_s: time limit of the command [s]
-    """
+    """Run a grader's module on the learner's files, with ``text`` beside the elapsed seconds."""
     # Run in an empty folder: a file next to the notebook must not shadow a module.
     with tempfile.TemporaryDirectory(prefix='check-') as empty, ElapsedTime(text) as elapsed:
         return run(

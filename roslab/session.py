@@ -1,5 +1,5 @@
 """
-Manage the ROS 2 session of a kernel: its context, its executor and the nodes that cells started.
+Manage the ROS 2 session of a kernel: its context, its executor, its nodes, and waits for them.
 
 Each kernel has one :class:`Session`, created by :func:`session`.  At exit, the session destroys
 its nodes and shuts the context down, because a process that ends with live nodes leaves its shared
@@ -12,9 +12,10 @@ in a terminal.  The other nodes continue.  To get the node back, start it again.
 import atexit
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, suppress
+import math
 import time
 import traceback
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import rclpy
 from rclpy.context import Context
@@ -34,6 +35,8 @@ from roslab.tracebacks import last_line, short_traceback
 
 HELPER_NAME = '_roslab'
 """Node that owns the subscriptions of :func:`roslab.listen`; its leading underscore hides it."""
+
+T = TypeVar('T')
 
 _SLOW_CALLBACK_S = 1.0
 _WRITE_IT = '\n  Replace that line with your own code, run its cell, then run this one again.'
@@ -93,11 +96,7 @@ class Session:
         return node is self._helper and background is not None and background.alive
 
     def forget(self, node: Node, subscription: Subscription) -> None:
-        """
-        Destroy a subscription soon, between two callbacks; safe in finalizers.
-
-        :param node: the node that owns the subscription; it may already be destroyed
-        """
+        """Destroy a subscription soon, between two callbacks; safe in finalizers."""
         background, destroy = self._background, node.destroy_subscription
         if background is not None and self.owns(node):
             background.ask(lambda: destroy(subscription))
@@ -341,3 +340,51 @@ def stop_all() -> None:
 def nodes() -> dict[str, Node]:
     """Return the nodes that this notebook runs, by name."""
     return session().nodes()
+
+
+def wait_in(condition: Callable[[], T], timeout_s: float) -> T:
+    """
+    Wait in this thread while the nodes of this kernel continue to run.
+
+    :param condition: evaluated after each callback
+    :param timeout_s: how long to wait [s]
+    :returns: the last value of the condition, which is false after a timeout
+    :raises RoslabError: if called from a callback, or without a time limit
+    """
+    if not callable(condition):
+        raise RoslabError(
+            'wait_until() expected a function to call repeatedly, as in '
+            f'wait_until(lambda: len(heard) > 2), got {condition!r}.'
+        )
+    if not (isinstance(timeout_s, (int, float)) and math.isfinite(timeout_s) and timeout_s >= 0):
+        raise RoslabError(f'timeout: expected a number of seconds, as in 5.0, got {timeout_s!r}.')
+    if session().executor.is_this_thread:
+        raise RoslabError(
+            'A callback cannot wait for other callbacks: all of them run in one thread. '
+            'Return from it, and do the rest in the callback that you are waiting for.'
+        )
+    value: T = session().progress.wait(condition, timeout_s)
+    return value
+
+
+def wait_until(condition: Callable[[], T], timeout: float = 5.0, what: str = 'a condition') -> T:
+    """
+    Wait until a condition is true; nodes continue to run meanwhile.
+
+    :param condition: called after each callback, until it returns a true value
+    :param timeout: the longest time to wait [s]
+    :param what: description of the condition, for the error message
+    :returns: what the condition returned
+    :raises TimeoutError: after ``timeout``; its message lists possible reasons
+    """
+    value = wait_in(condition, timeout)
+    if not value:
+        hints = session().hints()
+        raise timeout_error(f'Waited {timeout:g} s for {what} without success.', hints)
+    return value
+
+
+def timeout_error(*sentences: str) -> TimeoutError:
+    """Return a TimeoutError for which a notebook shows only the given sentences."""
+    text = ' '.join(sentence for sentence in sentences if sentence)
+    return shown_as(TimeoutError(text), f'TimeoutError: {text}')

@@ -18,8 +18,7 @@ from autograder.errors import ExamInvalid, UsageError
 from autograder.exam import catalog
 from autograder.recording import Recording
 from autograder.simulated import Simulation
-from autograder.simulation.order import order_of
-from autograder.simulation.result import read_simulation
+from autograder.simulation.documents import order_of, read_simulation
 from roslab import run_command
 from roslab.errors import not_written_yet, NotHereError, RoslabError
 from roslab.output import say

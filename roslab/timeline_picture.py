@@ -49,12 +49,7 @@ class Row(NamedTuple):
 
 
 class Timeline:
-    """
-    Messages on a time axis, shown as a picture, or as a table where pictures are not available.
-
-    :param begin: left end of the axis [s]
-    :param end: right end of the axis [s]
-    """
+    """Messages on a time axis from ``begin`` to ``end`` [s], shown as a picture or as a table."""
 
     def __init__(self, rows: Sequence[Row], begin: float, end: float) -> None:
         self.rows = tuple(rows)
@@ -70,7 +65,22 @@ class Timeline:
         return text_table(table, right=(1, 2))
 
     def _repr_html_(self) -> str:
-        return _draw(self)
+        rows = self.rows
+        described = '. '.join(f'{row.label}: {row.amount}' for row in rows)
+        data = [(row.label, row.more, row.amount, svg.listed(row.times)) for row in rows]
+        axis = self.begin, max(self.end, self.begin + 1e-6)
+        title = f'Timeline of {axis[1] - axis[0]:.1f} seconds, {counted(rows, "row")}'
+        table = [('row', 'type', 'amount', 'times [s]'), *data]
+        marks = [row for row in rows if row.mark]
+        lanes = []
+        for row in rows:
+            draw = (
+                partial(_mark, row, marks.index(row))
+                if row.mark
+                else partial(draw_ticks, row.times, svg.BLUE, False)
+            )
+            lanes.append(Lane(row.label, row.more, row.amount, draw, italic=row.mark))
+        return draw_lanes(lanes, axis, title, described, table, moments=_moments(rows))
 
 
 def timeline(
@@ -152,25 +162,6 @@ def _row_of_mark(label: str, times: Iterable[float]) -> Row:
         raise RoslabError(
             f'marks[{label!r}]: expected seconds in a list, as in [1.5, 3.0], got {times!r}.'
         ) from None
-
-
-def _draw(line: Timeline) -> str:
-    rows = line.rows
-    described = '. '.join(f'{row.label}: {row.amount}' for row in rows)
-    data = [(row.label, row.more, row.amount, svg.listed(row.times)) for row in rows]
-    axis = line.begin, max(line.end, line.begin + 1e-6)
-    title = f'Timeline of {axis[1] - axis[0]:.1f} seconds, {counted(rows, "row")}'
-    table = [('row', 'type', 'amount', 'times [s]'), *data]
-    marks = [row for row in rows if row.mark]
-    lanes = []
-    for row in rows:
-        draw = (
-            partial(_mark, row, marks.index(row))
-            if row.mark
-            else partial(draw_ticks, row.times, svg.BLUE, False)
-        )
-        lanes.append(Lane(row.label, row.more, row.amount, draw, italic=row.mark))
-    return draw_lanes(lanes, axis, title, described, table, moments=_moments(rows))
 
 
 def _mark(row: Row, number: int, y: float, place: Place) -> str:

@@ -49,11 +49,7 @@ def is_library(filename: str) -> bool:
 
 
 def code_name(source: str, otherwise: str) -> str:
-    """
-    Return the file name under which to compile code that belongs to the running cell.
-
-    :param otherwise: the file name to use outside IPython
-    """
+    """Return the file name for code of the running cell, and ``otherwise`` outside IPython."""
     running = shell()
     cache = getattr(getattr(running, 'compile', None), 'cache', None)
     if running is None or cache is None:

@@ -1,5 +1,5 @@
 """
-Find mistakes in an exam before a class is graded; report each mistake in one line.
+Find mistakes in exams before a class is graded, also by grading the course's own notebooks.
 
 An exam validates its own scenario when it is created, for example that each step names a known
 topic.  ``release check`` and ``self-check`` test the rest: whether message types exist and can
@@ -19,12 +19,19 @@ from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback_html import named_section
-from autograder.layout import lesson_files
+from autograder.gradebook.record import points_mismatches
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_opened, Lesson, load_lesson
+from autograder.layout import Layout, lesson_files
+from autograder.results import SubmissionResult
 from autograder.submission.notebook import read_release
+from autograder.submission.submission import open_submission
 from environment.ros import ros_environment
 
 SECRETS = 200
 """Number of different secrets for which the drawn inputs of an exam are tested."""
+LONGEST = 300
+"""Maximum length of the inputs in a message [characters]."""
 ADVICE = 'Try: correct the exam, or add the missing package to environment/messages.txt'
 
 
@@ -99,9 +106,10 @@ def inseparable_slips(exam: Exam) -> Iterator[str]:
         other = catalog.load_with_secret(exam.name, f'secret {number}')
         for name, asked in other.asks.items():
             for mistake in asked.mistakes():
-                seen.setdefault(f'{name}: {mistake}', f'secret {number}')
-    for mistake, secret in seen.items():
-        yield f'exam {exam.name}, {mistake}; first found with secret {secret!r} of {SECRETS}'
+                inputs = ', '.join(map(repr, asked.inputs))[:LONGEST]
+                seen.setdefault(f'{name}: {mistake}', f"'secret {number}'; inputs: {inputs}")
+    for mistake, where in seen.items():
+        yield f'exam {exam.name}, {mistake}; found with COURSE_SECRET={where}'
 
 
 # -- with the lessons -----------------------------------------------------------------------
@@ -172,3 +180,52 @@ def mistakes_of(exams: Sequence[Exam], notebooks: Path) -> list[str]:
         found += inseparable_slips(exam)
         found += differs_from_visible(exam, catalog.load(exam.name, hidden=False))
     return found
+
+
+# -- with runs ------------------------------------------------------------------------------
+
+
+def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
+    """
+    Grade the reference solution, which must pass, and the untouched release, which must fail.
+
+    The set-up does this as its last step; authors do it after they edit an exam.  The recordings
+    are stored, so a later grading can use them.
+
+    :returns: for each of them, whether the result is as expected, and one line of text
+    :raises GraderError: if the course has an error or the grader fails
+    """
+    for assignment in layout.assignments():
+        lesson = load_lesson(layout, assignment, engine)
+        # Do not run an exam with a mistake, because the run may fail or hang.
+        exams = [exam for exam in lesson.exams if isinstance(exam, Exam)]
+        if mistakes := mistakes_of(exams, layout.notebooks):
+            yield from ((False, f'{assignment}: {line}') for line in mistakes)
+            continue
+        if not lesson.exams:
+            cells = list(points_mismatches(lesson.release, assignment, ()))
+            yield not cells, ' '.join(cells) or f'{assignment}: nothing to grade, as expected.'
+            continue
+        for name, path, share in (
+            ('the reference solution', layout.solutions / assignment / lesson.notebook, 1.0),
+            ('the untouched release', layout.release(assignment), 0.0),
+        ):
+            opened = open_submission(path.read_bytes(), lesson.release, lesson.notebook)
+            result = grade_opened(opened, name, lesson, engine)
+            yield _line(lesson, result, share * result.max_points)
+
+
+def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:
+    if result.fault:  # Without a verdict, there are no points to compare.
+        return False, f'{lesson.assignment}: {result.student} has no verdict. {result.fault}'
+    right = bool(result.exams) and result.points == wanted
+    text = f'{lesson.assignment}: {result.student} has {result.points:g} of {result.max_points:g}'
+    if right:
+        return True, f'{text}, as expected.'
+    why = ', '.join(
+        f'{exam.exam}/{check.check}: {check.verdict.value}'
+        for exam in result.exams
+        for check in exam.checks
+        if (check.points > 0) != (wanted > 0)
+    )
+    return False, f'{text}, expected {wanted:g}. {why}'

@@ -29,12 +29,7 @@ CELL_TIMEOUT_S = 400
 
 
 def executed(path: Path, **more: Any) -> NotebookNode:
-    """
-    Return a notebook with its outputs.
-
-    :param more: further settings of nbclient
-    :raises CellExecutionError: if a cell raised an error
-    """
+    """Return a notebook with its outputs; CellExecutionError if a cell raised an error."""
     notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory(prefix='lesson_') as folder:  # for the cells' ROS workspace
         client = NotebookClient(

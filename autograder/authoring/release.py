@@ -1,21 +1,12 @@
-"""
-Check and release the course: ``python -m autograder.authoring.release check | release``.
+"""Check that the files of a course agree, and generate ``notebooks/`` from ``solutions/``."""
 
-``check`` verifies that the committed files are consistent; ``release`` generates ``notebooks/``,
-checks the course, and packs the students' copy.
-"""
-
-import argparse
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-import sys
 import tempfile
 
 from autograder.authoring.exam_mistakes import mistakes_of
 from autograder.authoring.lesson_frame import outlines, start_here, unknown_needs
-from autograder.authoring.portions import portions
-from autograder.authoring.student_bundle import NO_PARTS, pack
-from autograder.errors import GraderError
+from autograder.authoring.student_bundle import NO_PARTS
 from autograder.exam.catalog import for_assignment
 from autograder.exam.exam import Exam
 from autograder.gradebook import converters
@@ -37,7 +28,6 @@ def check(layout: Layout) -> list[str]:
         if path.is_relative_to(layout.solutions):
             found += repeated_ids(notebook, where, seen)
             found += unfit_checks(notebook, where, for_assignment(path.parent.name))
-            found += [f'{where}: {line}' for line in portions(notebook).problems()]
     exams = [exam for one in layout.assignments() for exam in for_assignment(one)]
     return [*found, *mistakes_of(exams, layout.notebooks)]
 
@@ -53,7 +43,7 @@ def drift(layout: Layout) -> Iterator[str]:
             got = 'different content' if name in wanted and name in there else 'none'
             expected = 'the release of solutions/' if name in wanted else 'no such file'
             got = got if name in wanted else 'a file'
-            yield f'notebooks/{name}: expected {expected}, got {got}. Try: make release.'
+            yield f'notebooks/{name}: expected {expected}, got {got}. Try: autograder release.'
 
 
 def _contents(folder: Path) -> dict[str, bytes]:
@@ -120,48 +110,3 @@ def generate(layout: Layout, folder: Path) -> list[str]:
         converters.generate(layout, assignment, folder, database=False)
     start_here(layout.solutions, folder)
     return assignments
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run one command.
-
-    :returns: exit code: 0 without mistakes, 1 if there are mistakes, 2 if the command failed
-    """
-    parser = argparse.ArgumentParser(
-        prog='python -m autograder.authoring.release', description=__doc__
-    )
-    parser.add_argument('command', choices=('check', 'release'))
-    parser.add_argument(
-        '--answers',
-        action='store_true',
-        help='let students see a worked answer after full points or three tries',
-    )
-    chosen = parser.parse_args(arguments)
-    layout = Layout.here()
-    try:
-        if chosen.command == 'check':
-            for path in lesson_files(layout.solutions):
-                print(portions(read_release(path)).line(path.parent.name))
-            lines = check(layout)
-            print('\n'.join(lines) or 'The notebooks and the exams agree.')
-            return 1 if lines else 0
-        if not (assignments := generate(layout, layout.notebooks)):
-            raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
-        if lines := check(layout):
-            print('\n'.join(lines))
-            said = 'course: not packed. Try: fix these mistakes, then make release'
-            print(said, file=sys.stderr)
-            return 1
-        bundle = layout.work / 'student_bundle.zip'
-        count = pack(layout, bundle, chosen.answers)
-    except GraderError as error:
-        print(f'course: {error}', file=sys.stderr)
-        return 2
-    print(f'notebooks/ contains {", ".join(assignments)}.')
-    print(f'{bundle.relative_to(layout.root)} contains {count} files for students.')
-    return 0
-
-
-if __name__ == '__main__':
-    sys.exit(main())

@@ -122,11 +122,7 @@ def changed(text: str, diff: str) -> str:
 
 
 def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
-    """
-    Return the content of the notebook file of a sample submission.
-
-    :raises GraderError: if the sample has a file without an answer cell, or an unknown damage
-    """
+    """Return the notebook file of a sample; GraderError if the sample has a mistake."""
     release = read_release(layout.release(assignment))
     damage = str(expected_of(sample).get('notebook', ''))
     if damage == UNTOUCHED:
@@ -176,7 +172,6 @@ def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int
 
     :param folder: folder that receives ``<outcome>__<cause>/<assignment>/<notebook>.ipynb``
     :param force: whether changed notebooks may be replaced
-    :returns: number of submissions
     :raises GraderError: if this copy of the course has no sample submissions, the folder is that
         of a real class, or a notebook in it was changed; then nothing is written
     """

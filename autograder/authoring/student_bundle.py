@@ -75,7 +75,6 @@ def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
     Write the zip file for students atomically; the same course gives the same bytes.
 
     :param answers: whether to include the worked answers, which students can then open
-    :returns: number of files in the zip
     """
     files = {name: zip_content(path) for name, path in bundled_files(layout).items()}
     if package := layout.facts.package:

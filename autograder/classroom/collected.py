@@ -84,21 +84,13 @@ def read_collected(layout: Layout) -> tuple[Work, ...]:
 
 
 def read_not_collected(layout: Layout) -> tuple[Work, ...]:
-    """
-    Return the work that was not collected, of students without a submission since then.
-
-    :raises GraderError: if the file is damaged
-    """
+    """Return the work that was not collected, of students without a submission since then."""
     found = (one for one in read_collected(layout) if _is_missing(layout, one))
     return tuple(sorted(found, key=lambda one: (one.student, one.assignment)))
 
 
 def collected_work(layout: Layout, assignment: str) -> dict[str, Work]:
-    """
-    Return the collected work for an assignment, by student id.
-
-    :raises GraderError: if the file is damaged
-    """
+    """Return the collected work for an assignment, by student id."""
     return {
         one.student: one
         for one in read_collected(layout)

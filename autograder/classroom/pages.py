@@ -48,9 +48,6 @@ def write_all_reports(
     The results are written first, atomically: all other commands read them, and the pages can be
     generated again.
 
-    :param results: the results of all students
-    :param summary: one sentence about the grading
-    :returns: path of the page of the class
     :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged; then
         nothing is written
     """
@@ -71,11 +68,7 @@ def write_all_reports(
 
 
 def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
-    """
-    Write the page of a class and return its path.
-
-    :raises GraderError: if the class list is wrong
-    """
+    """Write the page of a class and return its path; GraderError if the class list is wrong."""
     numbers = class_numbers(layout, graded)
     by_exam: dict[str, list[CheckNumbers]] = {}
     for check in numbers.checks:

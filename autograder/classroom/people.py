@@ -133,12 +133,7 @@ def read_people(layout: Layout) -> dict[str, str]:
 
 
 def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
-    """
-    Return the id of the student with this id or display name, or an empty string.
-
-    :param students: ids of the students to search
-    :raises GraderError: if several students have the name
-    """
+    """Return the student with this id or display name, or ''; GraderError if several have it."""
     if name in students:
         return name
     people = {one: named for one, named in read_people(layout).items() if one in students}
@@ -165,7 +160,6 @@ def not_collected(layout: Layout, assignment: str, graded: Collection[str]) -> t
 
     Their delivery could not be collected, or they are on the class list and handed in nothing.
 
-    :param graded: students who have a result
     :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged
     """
     names = class_list(layout)
@@ -186,11 +180,7 @@ def not_collected(layout: Layout, assignment: str, graded: Collection[str]) -> t
 
 
 def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
-    """
-    Return the students who are not on the class list; none if there is no list.
-
-    :raises GraderError: if the class list is wrong
-    """
+    """Return the students who are not on the class list; none if there is no list."""
     known = class_list(layout)
     here = (one for one in students if known.keys().isdisjoint((one, student_id(one))))
     return tuple(here) if known else ()

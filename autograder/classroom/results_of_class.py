@@ -29,11 +29,7 @@ def results_file(layout: Layout, assignment: str) -> Path:
 
 
 def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...]:
-    """
-    Return the last results of an assignment; none if it was not graded.
-
-    :raises GraderError: if the file with the results is damaged
-    """
+    """Return the last results, none without a grading; GraderError if their file is damaged."""
     path = results_file(layout, assignment)
     if not path.is_file():
         return ()
@@ -49,22 +45,13 @@ def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...
 def results_of_others(
     layout: Layout, assignment: str, students: Collection[str]
 ) -> tuple[SubmissionResult, ...]:
-    """
-    Return the last results of all students except the given ones.
-
-    :raises GraderError: if the file with the results is damaged
-    """
+    """Return the last results of all students except the given ones."""
     last = last_results(layout, assignment)
     return tuple(one for one in last if one.student not in students)
 
 
 def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
-    """
-    Return the last results of one assignment, or of all graded assignments.
-
-    :param name: name of the assignment; None for all graded assignments
-    :raises GraderError: if the assignment is unknown, or there are no results yet
-    """
+    """Return the last results of one or all graded assignments; GraderError if there are none."""
     wanted = layout.assignments() if name is None else (layout.assignment_named(name),)
     there = [one for one in wanted if results_file(layout, one).is_file()]
     if not there:

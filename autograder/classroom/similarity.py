@@ -61,7 +61,6 @@ class Similar(NamedTuple):
     The result of comparing one assignment.
 
     :param compared: number of submissions with enough code of their own
-    :param short: submissions with too little code of their own
     :param typical: median score of all pairs, None if there is no pair
     :param pairs: at most :data:`MOST` pairs, the most similar first
     :param more: number of further pairs that are similar enough
@@ -81,8 +80,6 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     """
     Compare all submissions of an assignment, which are named by their path below ``submitted``.
 
-    :param assignment: full name of the assignment
-    :param submitted: the folder of the class
     :param at_least: minimum score of a listed pair, 0 to 1
     :raises GraderError: if there is no submission, or the folder cannot be read
     """
@@ -199,8 +196,6 @@ def compare(
     Compare the files of all students.
 
     :param answers: submission -> path -> text
-    :param given: lines that all students received, see :func:`given_lines`
-    :param at_least: minimum score of a listed pair, 0 to 1
     :param references: name -> path -> text of the course's own code, which is compared with the
         students' files but not with itself
     """

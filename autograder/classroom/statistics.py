@@ -42,8 +42,6 @@ class Marks:
     """
     The distribution of the points.
 
-    :param count: number of submissions with a mark
-    :param full: number of submissions with full marks
     :param bins: number of submissions with 0 to below 10 % of the points, 10 to below 20 %, ...,
         90 to 100 %
     """
@@ -87,11 +85,8 @@ class ClassNumbers:
 
     :param marks: None if nobody has a mark
     :param review: students without a score, each with the reason
-    :param missing: students without a submission to grade
-    :param flagged: pairs of a student and a flag for the instructor
     :param slowest: the slowest students, each with the duration of the runs as recorded [s]
     :param recorded: number of submissions that needed no run in the last grading
-    :param modes: isolation modes
     :param lacks: what these modes do not protect
     :param exams: digests of the scenario (with its inputs) and of the environment, by exam
     :param versions: versions of the software that made the recordings, by name; several
@@ -114,12 +109,7 @@ class ClassNumbers:
 
 
 def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
-    """
-    Return the statistics of a class.
-
-    :param layout: the course with its class list and recordings, whose headers contain digests
-    :raises GraderError: if the class list is wrong
-    """
+    """Return the statistics of a class; GraderError if the class list is wrong."""
     results = graded.results
     exams = [exam for result in results for exam in result.exams]
     slowest = sorted(filter(ran_s, results), key=ran_s, reverse=True)

@@ -20,7 +20,6 @@ class Table:
     The cells of a CSV file; the first row is the header.
 
     :param delimiter: comma, semicolon or tab
-    :param newline: line ending of the file
     :param bom: whether the file begins with a byte order mark
     """
 
@@ -43,11 +42,7 @@ class Table:
 
 
 def parse_table(data: bytes) -> Table:
-    """
-    Return the cells of a CSV file; empty lines are ignored.
-
-    :raises ValueError: with the reason, if the data is not a table with rows of equal length
-    """
+    """Return the cells of a CSV file without empty lines; ValueError if it is not a table."""
     try:
         text = data.decode('utf-8')
     except UnicodeDecodeError as error:
@@ -67,13 +62,7 @@ def parse_table(data: bytes) -> Table:
 
 
 def read_bytes(path: Path, what: str, fix: str) -> bytes:
-    """
-    Read a file.
-
-    :param what: name of the file in the message, such as ``the gradebook from Canvas``
-    :param fix: advice for the message
-    :raises GraderError: if the file cannot be read
-    """
+    """Read a file; GraderError with its name in words and the advice ``fix`` if that fails."""
     try:
         return path.read_bytes()
     except OSError as error:
@@ -90,11 +79,7 @@ def read_json(path: Path) -> Any:
 
 
 def save_json(path: Path, data: Any) -> None:
-    """
-    Write a JSON file, unless it would not change or would be new and empty.
-
-    :raises OSError: if the file cannot be written
-    """
+    """Write a JSON file, unless it would not change or would be new and empty."""
     new, (there, _) = json_bytes(data), read_file(path, path.name)
     if new != there and (data or there is not None):
         write_atomically(path, new)

@@ -45,11 +45,7 @@ class VirtualClock:
     page: mmap.mmap
 
     def variables(self, place: int) -> Mapping[str, str]:
-        """
-        Return the environment variables for the process with a place.
-
-        :param place: index in ``places``; the process must inherit the descriptor of that socket
-        """
+        """Return the environment variables for a process that inherits the socket of a place."""
         number = str(self.places[place].fileno())
         return {'LD_PRELOAD': self.library, 'VIRTUAL_CLOCK': number}
 
@@ -57,7 +53,6 @@ class VirtualClock:
         """
         Return the prefix of a command line that starts a program with a place.
 
-        :param place: index in ``places``
         :param later: only pass the path of the library in ``CLOCK_LIBRARY``, so that the program
             can preload it for another program that it executes
         """
@@ -77,12 +72,7 @@ class VirtualClock:
         return max(0, int(_PAGE.unpack_from(self.page)[0]) - _START_NS)
 
     def ended_ns(self, place: int) -> int | None:
-        """
-        Return when a process ended, in virtual time like :attr:`elapsed_ns` [ns].
-
-        :param place: index of the process in ``places``
-        :returns: None while the process runs
-        """
+        """Return when the process of a place ended, as :attr:`elapsed_ns`; None while it runs."""
         ended = int(_PAGE.unpack_from(self.page)[2 + place])
         return ended - _START_NS if ended else None
 

@@ -23,12 +23,7 @@ Option = Callable[[argparse.ArgumentParser], object]
 
 
 def option(name: str, text: str, **facts: Any) -> Option:
-    """
-    Return a function that adds an argument to the parser of a command.
-
-    :param text: description for ``--help``
-    :param facts: keyword arguments of :meth:`argparse.ArgumentParser.add_argument`
-    """
+    """Return a function that adds an argument, with the ``facts`` of ``add_argument``."""
     return lambda parser: parser.add_argument(name, help=text, **facts)
 
 

@@ -22,7 +22,7 @@ from autograder.explaining.feedback import points_of, printable
 from autograder.explaining.live import live_line
 from autograder.grading.examine import judge_again
 from autograder.grading.pipeline import load_lesson, open_one
-from autograder.judging.deviation import deviation
+from autograder.judging.judge import deviation
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, shortened, SubmissionResult

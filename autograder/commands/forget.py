@@ -63,12 +63,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def find_student(layout: Layout, name: str) -> str:
-    """
-    Return the id of a student of whom the course has data.
-
-    :param name: id or display name
-    :raises GraderError: if there is no such student, or several have the name
-    """
+    """Return the id of a student with data, by id or name; GraderError if none or several fit."""
     known = {one.student for one in read_collected(layout)}
     known.update(str(one) for (one,) in query(layout, text('select id from student')))
     for above in (layout.submitted, layout.work / 'autograded', layout.work / 'feedback'):

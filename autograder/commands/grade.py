@@ -198,10 +198,8 @@ class Grading:
     """
     Grade the assignments of one class, enter the results, write the reports and print tables.
 
-    :param submitted: the folder of the class
     :param engine: provides and runs the exams; if they are the visible ones, nothing is entered in
         the gradebook
-    :param jobs: number of parallel runs
     :param guard: decides which marks in the gradebook may change
     """
 
@@ -239,12 +237,7 @@ class Grading:
         return results, ' '.join(filter(None, dict.fromkeys(trouble)))
 
     def one(self, assignment: str) -> tuple[list[SubmissionResult], str]:
-        """
-        Grade one assignment.
-
-        :returns: the results, and the reason why some were not entered in the gradebook or not
-            written; empty if there is none
-        """
+        """Grade one assignment; return the results, and why some were not entered or written."""
         layout, lesson = self.layout, load_lesson(self.layout, assignment, self.engine)
         class_ = discover(self.submitted, assignment, lesson.notebook, layout.assignments())
         if not class_:
@@ -302,11 +295,7 @@ class Grading:
         others: Sequence[SubmissionResult],
         summary: str,
     ) -> str:
-        """
-        Write the reports of all students, and print the table of those graded now.
-
-        :returns: why the reports could not be written; empty if they were
-        """
+        """Write the reports, print the table of new results; return why reports are missing."""
         layout, console = self.layout, self.console
         everybody = sorted((*results, *others), key=lambda one: one.student)
         missing = not_collected(layout, assignment, {one.student for one in everybody})

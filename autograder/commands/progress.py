@@ -34,8 +34,6 @@ def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Tell]:
     """
     Show the finished runs, the remaining time, the number of full marks and the slowest student.
 
-    :param total: number of all runs
-    :param what: label of the progress line, such as the assignment
     :param line_s: time between two lines without a terminal, or in CI [s]
     :returns: a function to call after each run, from any thread
     """
@@ -111,8 +109,6 @@ def slowest_text(seconds: Mapping[str, float]) -> str:
 
     Students with equal files share a recording and its time.  Of these, the first by name is
     returned, regardless of the order of the runs.
-
-    :param seconds: run time by student [s]
     """
     student = max(sorted(seconds), key=lambda name: round(seconds[name], 3), default='')
     if not seconds.get(student):

@@ -84,7 +84,6 @@ def rejudge_command(
     """
     Judge the recordings of one assignment, or of all graded assignments, again.
 
-    :param assignment: None for all graded assignments
     :param submitted: the folder of the class; None for the default folder
     :param write: whether to write the new points to the gradebook and the reports; the reports are
         written even if the gradebook refuses some results
@@ -113,12 +112,7 @@ def rejudge_command(
 def rejudge(
     layout: Layout, lesson: Lesson, last: ClassResults, submitted: Path
 ) -> tuple[Account, list[SubmissionResult], list[Graded]]:
-    """
-    Judge the recordings of all students with results.
-
-    :param submitted: the folder of the class
-    :returns: the account, the results of all students, and those to enter in the gradebook
-    """
+    """Judge all recordings; return the account, all results, and those for the gradebook."""
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
     there = {one.student: one for one in class_}

@@ -84,13 +84,7 @@ def _show(event: Any) -> None:
 
 @dataclass(frozen=True)
 class ExamTask:
-    """
-    An exam, and the files on which it runs.
-
-    :param files: content by relative path
-    :param problems: problems with the cells of a notebook
-    :param notebook: whether the files come from a notebook
-    """
+    """An exam, the files on which it runs (by path), and the problems of a notebook's cells."""
 
     exam: Exam
     files: Mapping[str, str]
@@ -125,8 +119,6 @@ def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamT
     """
     Return the exams that can run on a submission, each with its files.
 
-    :param path: a script, a package folder, a zip file or a notebook
-    :param chosen: exams of one assignment
     :raises UnusableUploadError: if the submission has no file for any of these exams
     """
     if not path.exists():
@@ -161,13 +153,7 @@ def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamT
 
 
 def run_tasks(found: Sequence[ExamTask], engine: Engine) -> Iterator[tuple[ExamTask, ExamResult]]:
-    """
-    Run the exams in parallel, or one after another if their events are shown.
-
-    :param engine: stores the recordings
-    :returns: each exam with its result, in the given order
-    :raises GraderError: if the grader itself fails, so that there is no verdict
-    """
+    """Run the exams in parallel, or one after another if their events are shown."""
 
     def run(task: ExamTask) -> ExamResult:
         if engine.on_event and task.exam.scenario.program in ('build', 'package'):

@@ -41,11 +41,7 @@ def names(hidden: bool = True) -> tuple[str, ...]:
 
 
 def _import_package() -> None:
-    """
-    Import the package of the exams from the root of the course.
-
-    :raises ExamInvalid: if there is no such package, or another one has the name ``exams``
-    """
+    """Import the package of the exams from the root of the course."""
     root, start = Layout.here().root, Layout.here().exams / '__init__.py'
     # A search would find the exams of this project, because its root is always on the path.
     if not start.is_file():
@@ -95,11 +91,7 @@ def load(name: str, hidden: bool = True) -> Exam:
 
 
 def load_with_secret(name: str, secret: str) -> Exam:
-    """
-    Return a hidden exam with inputs drawn from a given secret instead of the course secret.
-
-    :param name: an exam that :func:`load` can return
-    """
+    """Return a hidden exam with inputs drawn from a given secret instead of the course secret."""
     found = importlib.util.find_spec(f'exams.{_folder(True)}.{name}')
     assert found
     assert found.loader
@@ -111,11 +103,7 @@ def load_with_secret(name: str, secret: str) -> Exam:
 
 
 def _module(folder: str, name: str) -> ModuleType:
-    """
-    Return the module of an exam.
-
-    :raises ExamInvalid: if its file cannot be imported, with file, line and message
-    """
+    """Return the module of an exam; an error has file, line and message."""
     try:
         return importlib.import_module(f'exams.{folder}.{name}')
     except GraderError:
@@ -125,11 +113,7 @@ def _module(folder: str, name: str) -> ModuleType:
 
 
 def _broken(file: str, error: Exception) -> ExamInvalid:
-    """
-    Return the error for a file that cannot be imported.
-
-    :param file: named if the exception shows no line of an exam
-    """
+    """Return the error for a file that cannot be imported, with the exam's line if known."""
     where = line_in(Layout.here().exams, error) or file
     said = ' '.join(str(getattr(error, 'msg', '') or error).split())
     return ExamInvalid(f'{where}: {type(error).__name__}: {said}.', 'Try: correct that line')
@@ -140,11 +124,7 @@ def _file_of(folder: str, name: str) -> str:
 
 
 def for_assignment(assignment: str, hidden: bool = True) -> tuple[Exam, ...]:
-    """
-    Return the exams of a lesson, ordered by their position in it.
-
-    :param assignment: folder name, such as ``07_temperature_monitor``
-    """
+    """Return the exams of a lesson, given its folder name, ordered by their position in it."""
     exams = [load(name, hidden) for name in names(hidden)]
     found = [exam for exam in exams if exam.assignment == assignment]
     return tuple(sorted(found, key=lambda exam: exam.part))

@@ -2,17 +2,7 @@
 Define exams: a scenario for the probe, and checks that judge the recording.
 
 The steps of a scenario are in :mod:`autograder.exam.steps`.  Helpers for checks are in
-:mod:`autograder.judging.checks`.
-
-An exam module follows the lesson that it grades::
-
-    exam = Exam('talker', assignment='03_topics', scenario=Scenario(...))
-
-    @exam.check(points=2, needs=['publishes'])
-    def one_message_a_second(run: Run) -> None:
-        '''Your node publishes once per second.'''
-        if len(run.recording.messages('/chatter')) != 60:
-            raise Failed(expected='60 messages in 60 s', observed='...')
+:mod:`autograder.judging.checks`; ``docs/writing-an-exam.md`` shows an example.
 
 Learners read the docstring of a check.  A check passes by returning and fails by raising
 :class:`Failed`.  Any other exception is a fault of the grader: the submission is marked
@@ -29,8 +19,7 @@ import json
 from typing import Any
 
 from autograder.errors import ExamInvalid
-from autograder.exam.names import Names
-from autograder.exam.scenario import Scenario
+from autograder.exam.scenario import Names, Scenario
 from autograder.exam.specification import Cause, Specification
 from autograder.exam.steps import Advance, Feed
 from autograder.recording import Event, Recording
@@ -68,7 +57,6 @@ class Failed(Exception):
     act: str = ''
 
     def __str__(self) -> str:
-        """Return the observation."""
         return self.observed
 
 
@@ -78,7 +66,6 @@ class Run:
     The input of a check.
 
     :param files: the student's files, relative path to text
-    :param recording: everything that the probe saw
     :param facts: other data that the checks need, see :class:`Exam`
     """
 
@@ -102,7 +89,14 @@ class Run:
 
         Checks need these graphs to recognise the log lines of the student's nodes.
         """
-        part, graphs = self.recording.phase(phase), self.recording.of('graph')
+        return self._only(self.recording.phase(phase))
+
+    def parts(self, phase: str) -> list[tuple[Run, float]]:
+        """Return each part of the run in a phase as :meth:`during`, with its duration [s]."""
+        return [(self._only(one), seconds) for one, seconds in self.recording.parts(phase)]
+
+    def _only(self, part: Recording) -> Run:
+        graphs = self.recording.of('graph')
         return replace(self, recording=Recording(part.header, (*graphs, *part.events)))
 
     def again(self) -> Run:
@@ -148,10 +142,8 @@ class Exam:
     A scenario and its checks.
 
     :param name: unique in the course; the grade cell is ``check('<name>')``
-    :param title: short description
     :param assignment: folder of the lesson
     :param part: position of the exam in the lesson, from 1
-    :param scenario: what the probe does
     :param cells: grade ids of the answer cells to judge, by default one with the exam's name
     :param requires: files that the exam needs, by default the file that the scenario runs
     :param read: section of the lesson that explains the exercise
@@ -174,11 +166,7 @@ class Exam:
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
-        """
-        Validate the scenario and fill in default values.
-
-        :raises ExamInvalid: if the scenario contains a mistake
-        """
+        """Fill in default values; a mistake in the scenario raises :class:`ExamInvalid`."""
         for mistake in self.scenario.mistakes():
             raise ExamInvalid(f'exam {self.name}, {mistake}.', 'Steps are described in steps.py.')
         file = self.scenario.file
@@ -208,25 +196,20 @@ class Exam:
         :param static: whether the check looks only at the files; if failed static checks block all
             other checks, the grader does not run the program
         :param again: whether the check judges the second start, :attr:`Scenario.again`
-        :raises ExamInvalid: as :meth:`add`
+        :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
+            above 0, a need is not an earlier check, the check needs a program, or a second start,
+            and the scenario has none, or the exam lacks what a claim needs
         """
 
         def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:
             name = judge.__name__
-            title = _title(judge)
-            self.add(Check(name, title, points, judge, tuple(needs), read, static, again))
+            title = ' '.join((inspect.getdoc(judge) or '').split())
+            self._add(Check(name, title, points, judge, tuple(needs), read, static, again))
             return judge
 
         return add
 
-    def add(self, check: Check) -> None:
-        """
-        Add a check.
-
-        :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
-            above 0, a need is not an earlier check, or the check needs a program, or a second
-            start, and the scenario has none
-        """
+    def _add(self, check: Check) -> None:
         names = [other.name for other in self.checks]
         where = f'exam {self.name}, check {check.name}'
         if check.name in names:
@@ -242,6 +225,9 @@ class Exam:
             )
         if check.again and (check.static or not self.scenario.again):
             raise ExamInvalid(f'{where}: judges a second start, but there is none.')
+        for test in getattr(check.judge, 'tests', ()):
+            for mistake in test(self, self.scenario_of(check)):
+                raise ExamInvalid(f'{where}: {mistake}.')
         for need in check.needs:
             if need not in names:
                 raise ExamInvalid(
@@ -249,6 +235,12 @@ class Exam:
                     f'Earlier checks: {", ".join(names) or "none"}.',
                 )
         self.checks.append(check)
+
+    @property
+    def names(self) -> Names:
+        """Return the topics, types, services and parameters that the scenario uses."""
+        names: Names = self.facts['exam_names']
+        return names
 
     @property
     def max_points(self) -> float:
@@ -259,7 +251,3 @@ class Exam:
         """Return a digest of the scenario, which identifies the scenario in recordings."""
         text = json.dumps(self.scenario.to_json(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-def _title(judge: Callable[[Run], None]) -> str:
-    return ' '.join((inspect.getdoc(judge) or '').split())

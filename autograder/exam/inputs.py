@@ -67,11 +67,7 @@ def _not_empty(secret: bytes, where: str) -> bytes:
 
 
 def generator(exam: str, purpose: str) -> random.Random:
-    """
-    Return a random generator for one purpose in one exam.
-
-    :param purpose: what the numbers are for; generators for different purposes are independent
-    """
+    """Return a random generator; those for different purposes of an exam are independent."""
     secret = _other_secret.get() or course_secret()
     digest = hmac.new(secret, f'{exam}/{purpose}'.encode(), hashlib.sha256).digest()
     return random.Random(digest)  # noqa: S311 - only the seed must be secret

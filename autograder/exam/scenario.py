@@ -1,13 +1,16 @@
 """
-Define scenarios: what the probe publishes and records, and its steps, as data.
+Define scenarios: what the probe publishes and records, its steps, and the names in them, as data.
 
-The steps are in :mod:`autograder.exam.steps`.
+The steps are in :mod:`autograder.exam.steps`.  Advice for many exams contains placeholders such as
+``$topic``.  The judge replaces them with the names of the exam that it judges, so advice never
+shows the names of another exercise.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 import re
 from typing import Any
 
@@ -15,6 +18,7 @@ from autograder.exam.steps import Call, Endpoint, EVERYONE, Qos, Step
 
 _TYPE = re.compile(r'^[a-z]\w*/(msg|srv)/[A-Z]\w*$')
 _EXAMPLES = {'msg': 'std_msgs/msg/String', 'srv': 'rcl_interfaces/srv/GetParameters'}
+_PLACEHOLDER = re.compile(r'\$(heard_topic|heard_type|topic|type|parameter)\b')
 
 
 @dataclass(frozen=True)
@@ -43,11 +47,7 @@ class RosClock:
     step_s: float = 0.25
 
     def at(self, clock_ns: int) -> int:
-        """
-        Return the ROS time in the last ``/clock`` message before a moment [ns].
-
-        :param clock_ns: virtual time since the program was released [ns]
-        """
+        """Return the ROS time in the last ``/clock`` message before a virtual time [ns]."""
         step_ns = round(self.step_s * 1e9)
         return round(self.begins_s * 1e9) + clock_ns // round(step_ns / self.rate) * step_ns
 
@@ -125,11 +125,18 @@ class Scenario:
             yield f'step {number} ({type(step).__name__}){label}', step
 
     def endpoints(self) -> Iterator[tuple[str, str, str]]:
-        """Yield kind, full topic name and type of each endpoint that the program should have."""
+        """
+        Yield kind, full name and type of each endpoint that the program should have.
+
+        Services with a full name in :class:`~autograder.exam.steps.Call` are among them; the other
+        ones belong to every node.
+        """
         yield from (('publisher', topic, name) for topic, name in self.watch.items())
         yield from (('subscription', topic, one.type) for topic, one in self.feeds.items())
         ends = (step for step in self.steps if isinstance(step, Endpoint))
         yield from ((end.asks, end.topic, end.type) for end in ends)
+        calls = (step for step in self.steps if isinstance(step, Call) and '/' in step.service)
+        yield from (('service', call.name, call.type) for call in calls)
 
     def types(self) -> Iterator[tuple[str, str, str]]:
         """Yield the place, topic (or an empty string) and name of each type the probe loads."""
@@ -159,3 +166,74 @@ class Scenario:
             yield from (f'again, {one}' for one in self.again.mistakes())
             if self.again.again or self.again.file != self.file:
                 yield f'again: expected one more start of {self.file!r}, and no third one'
+
+
+@dataclass(frozen=True)
+class Names:
+    """
+    The names that a scenario uses; if there are none, advice contains general words instead.
+
+    :param published: topics that the probe records, full name to type
+    :param heard: topics on which the probe publishes, full name to type
+    :param services: services of the program that the probe calls, full name to type
+    :param parameters: parameters that the scenario passes to the program, sets or reads
+    """
+
+    published: Mapping[str, str] = field(default_factory=dict)
+    heard: Mapping[str, str] = field(default_factory=dict)
+    services: Mapping[str, str] = field(default_factory=dict)
+    parameters: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Names:
+        """Return the names of a scenario, in order of appearance."""
+        found: dict[str, dict[str, str]] = {'publisher': {}, 'subscription': {}, 'service': {}}
+        for kind, topic, name in (end for one in scenario.starts for end in one.endpoints()):
+            found[kind].setdefault(topic, name)
+        published, heard, services = found.values()
+        parameters = (name for one in scenario.starts for name in _parameters(one))
+        return cls(published, heard, services, tuple(dict.fromkeys(parameters)))
+
+    def of_kind(self, kind: str) -> Mapping[str, str]:
+        """Return the required publishers, subscriptions or services, full name to type."""
+        by_kind = {'publisher': self.published, 'subscription': self.heard}
+        return by_kind.get(kind, self.services)
+
+    @cached_property
+    def homes(self) -> Mapping[str, str]:
+        """Return the exam's message and service classes, joined by spaces, by their module."""
+        found: dict[str, list[str]] = {}
+        for kind in {**self.heard, **self.published, **self.services}.values():
+            package, part, name = kind.split('/')
+            found.setdefault(f'{package}.{part}', []).append(name)
+        return {module: ' '.join(names) for module, names in found.items()}
+
+    def fill(self, text: str) -> str:
+        """
+        Replace the placeholders of a text with the names of the exam.
+
+        :param text: may contain ``$topic`` and ``$type`` (what a node publishes), ``$heard_topic``
+            and ``$heard_type`` (what it subscribes to), and ``$parameter``
+        """
+        return _PLACEHOLDER.sub(lambda found: self._words[found[1]], text)
+
+    @cached_property
+    def _words(self) -> Mapping[str, str]:
+        topic, kind = next(iter({**self.published, **self.heard}.items()), ('topic', 'Type'))
+        other, heard = next(iter({**self.heard, **self.published}.items()), ('topic', 'Type'))
+        last = {'topic': topic, 'type': kind, 'heard_topic': other, 'heard_type': heard}
+        # Leave out the namespace: in a hidden exam it is secret, and node code does not contain
+        # it.
+        words = {name: full.rpartition('/')[2] for name, full in last.items()}
+        return {**words, 'parameter': next(iter(self.parameters), 'name')}
+
+
+def _parameters(scenario: Scenario) -> Iterator[str]:
+    for option, value in zip(scenario.arguments, scenario.arguments[1:], strict=False):
+        if option == '-p':
+            yield value.partition(':=')[0]
+    for step in scenario.steps:
+        if isinstance(step, Call):
+            for one in step.request.get('parameters', ()):
+                yield one['name']
+            yield from step.request.get('names', ())

@@ -58,7 +58,6 @@ class Cause:
 
     :param cause_id: short stable name, for statistics and tests
     :param text: the reason, worded for the learner
-    :param try_this: the next thing to do
     :param about: names, strings or numbers in the faulty line, which help to find it
     :param act: what the program does in that line, see :mod:`autograder.submission.code.acts`; by
         default, as in ``judging/causes/places.txt``
@@ -98,7 +97,6 @@ class Slip(Cause):
         sometimes: bool = False,
         **more: Any,
     ) -> None:
-        """Create a slip from its rules, its sentences and other fields of a cause."""
         super().__init__(cause_id, text, try_this, **more)
         object.__setattr__(self, 'rules', rules)
         object.__setattr__(self, 'sometimes', sometimes)
@@ -116,7 +114,6 @@ class Specification:
     The inputs of one exam with the correct answers and typical wrong ones.
 
     :param inputs: in the order in which they are sent
-    :param due: returns the correct answers
     :param slips: the most likely first
     :param burst: number of inputs at the end that are sent at once.  They have one joint answer,
         because several threads may answer them in any order
@@ -196,12 +193,18 @@ class Specification:
 
     def mistakes(self) -> Iterator[str]:
         """Yield slips that the inputs cannot distinguish from correct answers or other slips."""
-        rules = [('the correct answers', self.answers)]
-        rules += [(slip.cause_id, answers) for slip, answers in self._slipped]
-        for number, (name, answers) in enumerate(rules):
-            for other, others in rules[:number]:
-                if other != name and all(map(self.like, answers, others)):
-                    yield f'no input distinguishes {name} from {other}'
+        named = [('the correct answers', 'the correct answers', self.answers)]
+        for slip in self.slips:
+            for number, rule in enumerate(slip.rules, 1):
+                form = f'{slip.cause_id}, form {number}' if slip.rules[1:] else slip.cause_id
+                try:
+                    named.append((slip.cause_id, form, self.of(rule)))
+                except Exception as error:  # an author's own code
+                    yield f'the slip {form} raises {type(error).__name__}: {error}'
+        for place, (cause_id, form, answers) in enumerate(named):
+            for other_id, other, others in named[:place]:
+                if other_id != cause_id and all(map(self.like, answers, others)):
+                    yield f'no input distinguishes {form} from {other}'
 
 
 def _mixed(due: Any, came: Any) -> bool:

@@ -9,7 +9,7 @@ begins a phase that checks can select; ``Look`` records the graph.
 All seconds are virtual and exact; 60 virtual seconds take about 0.1 s of real time.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
 import math
@@ -48,7 +48,6 @@ class Qos:
 EVERYONE = Qos(durability='TRANSIENT_LOCAL')
 """The publisher profile that is compatible with every reliability and durability."""
 
-
 There = Mapping[str, set[str]]
 """
 Names of the probe's endpoints, by the kind of the matching endpoint in the program.
@@ -84,11 +83,7 @@ class Step:
         return {'do': type(self).__name__.lower(), **_json_of(asdict(self))}
 
     def mistakes(self, there: There) -> Iterator[str]:
-        """
-        Yield contradictions with earlier steps, and update the set of endpoints.
-
-        :param there: endpoints that exist before this step
-        """
+        """Yield contradictions with earlier steps, and update the set of endpoints."""
         yield from ()
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
@@ -114,7 +109,6 @@ class Feed(Step):
     Publish messages at a fixed interval or as one burst, then wait.
 
     :param topic: full topic name in :attr:`Scenario.feed`, or the name of an :class:`Offer`
-    :param messages: fields of each message
     :param optional: whether to skip this step if no subscription is connected; otherwise the run
         ends
     :param every_s: time from one message to the next [s]
@@ -142,12 +136,7 @@ class Feed(Step):
 
 
 def feeds(topic: str, messages: Sequence[Mapping[str, Any]], burst: int, **how: Any) -> list[Feed]:
-    """
-    Return the steps that send some messages one by one and the last ones as a burst.
-
-    :param burst: number of messages in the burst, 0 for none
-    :param how: other fields of :class:`Feed`
-    """
+    """Return the steps that send messages one by one and the last ``burst`` ones at once."""
     singles = len(messages) - burst
     last = [Feed(topic, messages[singles:], burst=True, **how)] if burst else []
     return [Feed(topic, messages[:singles], **how), *last]
@@ -158,10 +147,8 @@ class Call(Step):
     """
     Call a service of the student's node once, and record ``answer`` or ``no_answer``.
 
-    :param node: full node name
     :param service: last part of the name, such as ``set_parameters``, or a full name with a slash
     :param type: such as ``rcl_interfaces/srv/SetParameters``
-    :param request: fields of the request
     :param patience_s: timeout for the response [s]
     """
 
@@ -179,9 +166,7 @@ class Call(Step):
 
     def to_json(self) -> dict[str, Any]:
         """Return the step in the format that the probe reads, with the service's full name."""
-        step = {**super().to_json(), 'service': self.name}
-        del step['node']
-        return step
+        return {**super().to_json(), 'service': self.name}
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
         """Yield the request."""
@@ -261,11 +246,7 @@ class Leave(Step):
 
 @dataclass(frozen=True)
 class Watch(Step):
-    """
-    Subscribe again to a recorded topic after a :class:`Leave`.
-
-    :param topic: full topic name in :attr:`Scenario.watch`
-    """
+    """Subscribe again to a topic of :attr:`Scenario.watch` after a :class:`Leave`."""
 
     topic: str
     label = 'topic'
@@ -277,32 +258,20 @@ class Watch(Step):
 
 
 def unheard(topic: str, seconds: float) -> tuple[Step, ...]:
-    """
-    Return the steps in which time passes without a subscription on a recorded topic.
-
-    See :func:`autograder.judging.rhythm.with_unheard` for the messages of this time.
-    """
+    """Return the steps in which time passes without a subscription on a recorded topic."""
     return (Leave(topic), Advance(seconds - SETTLE_S), Watch(topic))
 
 
 @dataclass(frozen=True)
 class Mark(Step):
-    """
-    Begin a phase of the run, see :meth:`autograder.recording.Recording.phase`.
-
-    :param name: the name by which checks select the phase
-    """
+    """Begin a phase of the run, see :meth:`autograder.recording.Recording.phase`."""
 
     name: str
 
 
 @dataclass(frozen=True)
 class Look(Step):
-    """
-    Record the current graph, in addition to the graphs at the start and at the end.
-
-    :param when: label for checks: ``recording.of('graph', when=...)``
-    """
+    """Record the current graph, in addition to the graphs at the start and at the end."""
 
     when: str
 
@@ -322,11 +291,7 @@ Value = bool | int | float | str
 
 
 def set_parameters(node: str, values: Mapping[str, Value], atomically: bool = False) -> Call:
-    """
-    Return the call that sets parameters of a node.
-
-    :param atomically: whether the node is to set either all of them or none
-    """
+    """Return the call that sets parameters of a node, atomically either all of them or none."""
     wanted = []
     for name, value in values.items():
         number, word = PARAMETER_TYPES[type(value)]
@@ -337,23 +302,19 @@ def set_parameters(node: str, values: Mapping[str, Value], atomically: bool = Fa
 
 
 def get_parameters(node: str, names: Sequence[str] = (), patience_s: float = 5.0) -> Call:
-    """
-    Return the call that requests parameters of a node.
-
-    :param names: names of the parameters; without any, the call only shows that the node answers
-    :param patience_s: timeout for the response [s]
-    """
+    """Return the call that requests parameters; without any, it shows that the node answers."""
     kind = 'rcl_interfaces/srv/GetParameters'
     request = {'names': list(names)} if names else {}
     return Call(node, 'get_parameters', kind, request, patience_s)
 
 
-def transition(node: str, name: str) -> Call:
-    """
-    Return the call that requests a transition from a lifecycle node.
+def read_parameters(node: str, names: Iterable[str]) -> list[Call]:
+    """Return a call for each parameter, because one unknown name leaves all others unread."""
+    return [get_parameters(node, [name]) for name in names]
 
-    :param name: ``configure``, ``activate``, ``deactivate`` or ``cleanup``
-    """
+
+def transition(node: str, name: str) -> Call:
+    """Return the call that requests a transition, a key of :data:`TRANSITIONS`."""
     wanted = {'transition': {'id': TRANSITIONS[name]}}
     return Call(node, 'change_state', 'lifecycle_msgs/srv/ChangeState', wanted)
 

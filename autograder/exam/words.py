@@ -48,11 +48,7 @@ class Causes:
     """
 
     def __init__(self, module: str | Path, **words: Any) -> None:
-        """
-        Read the file.
-
-        :raises ExamInvalid: if a row lacks its sentence or its fix
-        """
+        """Read the file; a row without a sentence or a fix raises :class:`ExamInvalid`."""
         self._file, self._words = Path(module).with_suffix('.txt'), words
         self._rows: dict[str, list[str]] = {}
         for head, *lines in rows(self._file.read_text(encoding='utf-8')):

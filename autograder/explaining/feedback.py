@@ -119,11 +119,7 @@ def _wrapped(name: str, text: str, most: int | None = None) -> list[str]:
 
 
 def _wrap(text: str, indent: str, most: int | None = None) -> list[str]:
-    """
-    Return the lines of a text.
-
-    :param indent: indentation of all lines but the first
-    """
+    """Return the lines of a text; all but the first are indented."""
     return textwrap.wrap(
         text,
         WIDTH,
@@ -149,11 +145,7 @@ def _title_lines(check: CheckResult) -> list[str]:
 
 
 def check_lines(check: CheckResult) -> list[str]:
-    """
-    Return everything about one check, as lines of plain text.
-
-    :param check: from :func:`causes_once`
-    """
+    """Return everything about one check of :func:`causes_once`, as lines of plain text."""
     items = (_wrapped(name, text) for name, text in feedback_items(check))
     return [*_title_lines(check), *(line for lines in items for line in lines)]
 
@@ -161,12 +153,8 @@ def check_lines(check: CheckResult) -> list[str]:
 # -- an exam, a submission ------------------------------------------------------------------
 
 
-def remarks(result: ExamResult, problems: Iterable[Problem] = ()) -> list[str]:
-    """
-    Return the notes about a result that do not belong to a check, one sentence each.
-
-    :param problems: problems with the notebook cells of this exam
-    """
+def remarks(result: ExamResult, problems: Iterable[Problem]) -> list[str]:
+    """Return the notes about a result that do not belong to a check, one sentence each."""
     found = [f'Note: {problem.line()}' for problem in problems]
     if result.note:
         found.append(f'Note: {result.note}')
@@ -176,11 +164,7 @@ def remarks(result: ExamResult, problems: Iterable[Problem] = ()) -> list[str]:
 
 
 def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
-    """
-    Return the result of one exam for a learner, as plain text.
-
-    :param problems: problems with the notebook cells of this exam
-    """
+    """Return the result of one exam for a learner, as plain text."""
     lines = [f'{points_of(result)} points']
     for remark in remarks(result, problems):
         lines += _wrap(remark, '  ')

@@ -51,7 +51,6 @@ def exam_html(
     """
     Return the result of one exam for a learner, as HTML.
 
-    :param problems: problems with the notebook cells of this exam
     :param lessons: addresses for links to the sections to read
     """
     said = [f'<p style="{_PLAIN}"><strong>{points_of(result)} points</strong></p>']
@@ -107,11 +106,7 @@ def named_section(read: str) -> tuple[str, str]:
 
 
 def section_id(heading: str) -> str:
-    """
-    Return the id of a heading in notebooks and in their HTML.
-
-    :param heading: text of the heading, such as ``Part 2: The publisher``
-    """
+    """Return the id of a heading, such as ``Part 2: Names``, in notebooks and their HTML."""
     return quote(' '.join(heading.split()).replace(' ', '-'), safe=":-_.!~*'()?,")
 
 

@@ -10,20 +10,15 @@ import json
 from typing import Any
 
 from autograder.explaining.feedback import printable
-from autograder.recording import Event, LEVELS
+from autograder.recording import Event, LEVELS, SECOND
 from autograder.results import shortened
 
 WIDEST = 110
 MOST_DIGITS = 9  # All seventeen digits of a float would leave no room for the rest of the line.
-SECOND = 1_000_000_000
 
 
 def live_line(event: Event) -> str:
-    """
-    Return one event as a line, or an empty string for an event that is not shown.
-
-    :param event: as in :mod:`autograder.recording`
-    """
+    """Return one event as a line, or an empty string for an event that is not shown."""
     words = _WORDS.get(event['event'])
     what = words(event).replace('\n', ' ') if words else ''
     return shortened(printable(f'{clock(event)}  {what}'), WIDEST) if what else ''

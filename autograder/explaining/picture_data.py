@@ -18,8 +18,8 @@ from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.causes.redaction import namespace_of
 from autograder.judging.checks import own_logs
-from autograder.judging.deviation import deviation, failure_of
-from autograder.recording import Event, LEVELS
+from autograder.judging.judge import deviation, failure_of
+from autograder.recording import Event, LEVELS, SECOND
 from autograder.results import CheckResult, Verdict
 
 MOST_TIMES = 400
@@ -30,7 +30,6 @@ MOST_ARROWS = 8
 MOST_EVENTS = 20_000
 """In a recording with more events, a difference is shown only if the check itself names it."""
 LONGEST_NAME = 80
-SECOND = 1_000_000_000
 LISTENING, SENDING = 'the checks, listening', 'the checks, sending'
 
 # Matches an expectation that begins with a number of messages, lines or the like.
@@ -44,11 +43,7 @@ _NUMBERS = {word: level for level, word in LEVELS.items()}
 
 
 def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, Mapping[str, Any]]:
-    """
-    Return the pictures of failed checks, by the name of the check; equal pictures only once.
-
-    :param results: results of the exam's checks, in the same order
-    """
+    """Return the pictures of failed checks, by the name of the check; equal pictures only once."""
     found: dict[str, Mapping[str, Any]] = {}
     shown: set[str] = set()
     for check, result in zip(exam.checks, results):
@@ -93,13 +88,13 @@ def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[
 
 def _wanted(scenario: Scenario) -> list[tuple[str, str, str]]:
     """
-    Return the endpoints that a scenario requires: kind, full topic name, type.
+    Return the publishers and subscriptions that a scenario requires: kind, topic, type.
 
     If several topics have the same last part, such as ``/lab/chatter`` and ``/chatter``, the exam
     requires the first; the probe watches the others to detect a mistake.
     """
     found: dict[tuple[str, str], tuple[str, str, str]] = {}
-    for kind, topic, type_name in scenario.endpoints():
+    for kind, topic, type_name in (one for one in scenario.endpoints() if one[0] != 'service'):
         found.setdefault((kind, topic.rpartition('/')[2]), (kind, topic, type_name))
     return list(found.values())
 
@@ -284,7 +279,6 @@ def _moments(events: Iterable[Event], rate: float) -> list[float]:
 
 
 def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
-    """Return a row of a timeline, with all its times."""
     found = [round(float(time), 3) for time in sorted(times)]
     return {'label': label[:LONGEST_NAME], 'what': what, 'count': len(times), 'times': found}
 

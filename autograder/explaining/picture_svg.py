@@ -34,11 +34,7 @@ LOOKS = {
 
 
 def picture_html(picture: Mapping[str, Any]) -> str:
-    """
-    Return a picture as HTML, or an empty string if there is none.
-
-    :param picture: from :func:`autograder.explaining.picture_data.pictures`
-    """
+    """Return a picture from ``picture_data`` as HTML, or an empty string if there is none."""
     if picture.get('kind') == 'timeline':
         return _timeline(picture)
     return _graph(picture) if picture.get('kind') == 'graph' else ''
@@ -77,11 +73,7 @@ def _timeline(picture: Mapping[str, Any]) -> str:
 
 
 def _first_difference(at: float, below: float, y: float, place: Place) -> str:
-    """
-    Return the mark of the first difference, with a line through all rows below its own.
-
-    :param below: height of these rows
-    """
+    """Return the mark of the first difference, with a line through all rows below its own."""
     x = place(at)
     return svg.shape('triangle', x, y, 4, svg.RED) + svg.line(
         x, y, x, y + below + 15, colour=svg.RED, width=1.6, dashed=True
@@ -89,11 +81,7 @@ def _first_difference(at: float, below: float, y: float, place: Place) -> str:
 
 
 def timeline_words(picture: Mapping[str, Any]) -> str:
-    """
-    Return a description of a timeline as text.
-
-    :param picture: a picture of the kind ``timeline``
-    """
+    """Return a description of a picture of the kind ``timeline`` as text."""
     by_input = picture['unit'] == 'input'
     word, unit = ('at numbers', '') if by_input else ('from', ' s')
     said = []

@@ -21,11 +21,7 @@ ABOUT = (
 
 
 def encoded(answers: Mapping[str, str]) -> bytes:
-    """
-    Return the content of a file with worked answers.
-
-    :param answers: text of all answer cells of an exam, by exam
-    """
+    """Return the content of a file with worked answers: texts of answer cells, by exam."""
     return ABOUT + b'\n' + encodebytes(zlib.compress(json.dumps(answers).encode()))
 
 

@@ -38,7 +38,6 @@ def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: boo
     """
     Enter marks in one column of a Canvas gradebook.
 
-    :param data: content of the file from Canvas
     :param where: name of the file in messages
     :param column: header, title or id of the column
     :param scale: whether to convert the points if Canvas has a different maximum

@@ -15,8 +15,6 @@ class Filled:
     """
     The changes to the file.
 
-    :param platform: name of the platform in messages
-    :param column: header of the column
     :param row: the word for a row in messages
     :param kept: values of cells that are kept, each with the reason
     :param replaced: student, old value and new value of each changed cell
@@ -69,12 +67,7 @@ def add_names(lines: dict[str, set[int]], text: str, row: int) -> None:
 def matched(
     lines: Mapping[str, set[int]], marks: Sequence[Mark], columns: str, done: Filled
 ) -> dict[int, Mark]:
-    """
-    Return the marks by row; leave out students with no row or with several.
-
-    :param lines: the rows with each id
-    :param columns: names of the id columns, for messages
-    """
+    """Return the marks by row, from the rows by id; leave out students with no row or several."""
     found: dict[int, list[Mark]] = {}
     for mark in marks:
         rows = lines.get(mark.student, set())

@@ -48,7 +48,6 @@ def autograder_zip(
     """
     Return the zip file as bytes.
 
-    :param assignment: full name of the assignment
     :param visibility: when students see the tests, one of :data:`VISIBILITIES`
     :param allow_weak: weakest isolation mode to accept in the container, see
         :mod:`autograder.sandboxes.isolation`; empty for full isolation only
@@ -89,7 +88,6 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
     """
     Return the content of ``results.json``.
 
-    :param visibility: when students see the tests, one of :data:`VISIBILITIES`
     :raises GraderError: if there is no mark: Gradescope refuses a file without a score, but if the
         file is missing, it refers the student to the staff
     """

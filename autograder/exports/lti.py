@@ -97,7 +97,6 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
     """
     Send the marks of one assignment.
 
-    :param url: see :func:`line_item`
     :param dry_run: find the students on the platform, but send nothing
     :returns: the number of sent marks, and the students left out, each with the reason
     :raises GraderError: if PyLTI1p3 is not installed, or the platform refuses or cannot be

@@ -36,7 +36,6 @@ def fill(
     """
     Enter marks in a grading worksheet.
 
-    :param data: the file from Moodle
     :param where: name of the file in messages
     :param numbers: participants' numbers by student id, if ``collect`` has seen them; if a
         student has several, from several activities, they are separated by spaces

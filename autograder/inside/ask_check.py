@@ -38,11 +38,7 @@ def answer_of(answer: object) -> str:
 
 
 def ask(accepts: Callable[[object], object], run: object) -> str:
-    """
-    Return a check's answer for a run as a string.
-
-    If the check raises an exception, print its traceback and return ``'exception'``.
-    """
+    """Return a check's answer for a run as a string; print the traceback of an exception."""
     try:
         return answer_of(accepts(run))
     except Exception:  # a check may raise anything, and may still answer for the next run

@@ -68,11 +68,7 @@ def call(name: str, *arguments: Any) -> int:
 
 
 def prctl(option: int, *arguments: Any) -> None:
-    """
-    Change a property of this process with the system call of the same name.
-
-    :raises OSError: if the call fails
-    """
+    """Change a property of this process with the system call of the same name."""
     call('prctl', option, *arguments, *[0] * (4 - len(arguments)))
 
 

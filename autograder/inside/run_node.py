@@ -24,8 +24,7 @@ import sys
 import types
 
 import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
-from lazy_imports import use_lazy_imports  # type: ignore[import-not-found]
-from rclpy_patches import patch_rclpy  # type: ignore[import-not-found]
+from rclpy_patches import patch_rclpy, use_lazy_imports  # type: ignore[import-not-found]
 
 INSIDE = Path('/grader/inside')
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')
@@ -53,8 +52,7 @@ def join_packages(folder: Path) -> list[Path]:
     """
     Extend installed packages with the folders of the same name, which take precedence.
 
-    :param folder: the folder of the node file
-    :returns: all package folders in it
+    :returns: all package folders in the folder of the node file
     """
     packages = sorted({file.parent for file in folder.glob('*/*.py')})
     packages = [one for one in packages if one.name.isidentifier() and one.name not in NO_PACKAGE]

@@ -2,14 +2,8 @@
 Provide bodies for checks: each function tests one property and explains a failure.
 
 The functions are not checks themselves, because the docstring that learners read stays in the
-exam::
-
-    def starts_its_node(run: Run) -> None:
-        '''Your program starts a node called talker.'''
-        require_node(run, '/talker')
-
-Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or returns.  All names of
-nodes and topics are full names.
+exam.  Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or returns.  All
+names of nodes and topics are full names.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -26,9 +20,8 @@ from autograder.judging.causes.ended import (
 )
 from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.causes.text_table import cause_of
-from autograder.recording import Event, LEVELS
+from autograder.recording import Event, LEVELS, SECOND
 
-SECOND = 1_000_000_000
 NO_RESULT = 'Callback returned an invalid type'
 """The reason with which rclpy refuses a change whose callback returns no result."""
 
@@ -37,7 +30,6 @@ def require_node(run: Run, node: str, only_named: bool = False) -> None:
     """
     Fail unless the probe saw a node.
 
-    :param node: full name, ``/talker`` or ``/lab/talker``
     :param only_named: whether dependent checks still run if the program's only node has a wrong
         name
     """
@@ -58,7 +50,6 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
     """
     Explain a node with the right name in a wrong namespace.
 
-    :param node: full name
     :param repair: the advice, by default for a namespace that the command line chooses
     """
     namespace, _, base = node.rpartition('/')
@@ -74,7 +65,7 @@ def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Ev
     """
     Return the endpoints on a topic with a given type; fail if there are none.
 
-    :param kind: ``'publisher'`` or ``'subscription'``
+    :param kind: ``'publisher'``, ``'subscription'`` or ``'service'``; services have no QoS profile
     """
     ends = [end for end in run.recording.endpoints(kind, topic) if end['type'] == type_name]
     if not ends:
@@ -91,8 +82,6 @@ def require_partner(ends: Iterable[Event]) -> None:
     Fail unless endpoints match a partner that was created with a plain depth, such as 10.
 
     A publisher may offer more, and a subscription may request less.
-
-    :param ends: from :func:`require_endpoint`
     """
     for end in ends:
         policy, wrong, cause_id, partner = _UNUSUAL[end['kind']]
@@ -113,12 +102,7 @@ _UNUSUAL = {
 
 
 def require_reached(run: Run, topic: str, kind: str) -> None:
-    """
-    Fail unless a subscription exists and receives messages from an ordinary publisher.
-
-    :param topic: full name of a topic on which the probe publishes
-    :param kind: type of its messages
-    """
+    """Fail unless a subscription exists and receives messages from an ordinary publisher."""
     ends = require_endpoint(run, 'subscription', topic, kind)
     require_partner(ends)
     lost = {event['topic'] for event in run.recording.of('not_connected')}
@@ -168,7 +152,6 @@ def require_messages(
 
     :param found: from :meth:`autograder.recording.Recording.messages`; by default all messages on
         the topic
-    :param least: required number of messages
     :param what: description of the messages, with the topic
     :param topic: full name of a watched topic, which must have a publisher
     :raises ExamInvalid: if the scenario does not watch the topic
@@ -199,7 +182,6 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
     """
     Fail unless a field has the given value in every message.
 
-    :param messages: messages from the student's node
     :param field: name of the field; dots separate nested fields
     """
     others = [value for one in messages if (value := field_of(one, field)) != wanted]
@@ -248,7 +230,6 @@ def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
     """
     Fail unless each endpoint has the given policies.
 
-    :param ends: from :func:`require_endpoint`
     :param wanted: policies as recorded: ``reliability='RELIABLE'``, ``durability='VOLATILE'``,
         ``liveliness='AUTOMATIC'``, ``deadline_ns=200_000_000``, ``lifespan_ns=None``,
         ``liveliness_lease_duration_ns=None``; discovery does not announce history and depth
@@ -281,7 +262,7 @@ def own_logs(run: Run, node: str, level: int | None = None) -> list[Event]:
     Return the log lines of a node's own logger and of its child loggers, in order.
 
     :param node: full name; ignored if the program has only one node
-    :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL; None for all levels
+    :param level: as in :data:`autograder.recording.LEVELS`; None for all levels
     """
     nodes = run.recording.nodes
     meant = nodes[0] if len(nodes) == 1 else node
@@ -316,7 +297,6 @@ def require_answers(
     """
     Fail unless the calls of a service have the wanted responses, in order.
 
-    :param service: full name
     :param wanted: for each call, the fields that must be equal; an empty mapping accepts any
         response
     :param what: description of the calls, such as ``the transitions configure and activate``
@@ -332,7 +312,7 @@ def require_answers(
             raise Failed(
                 expected=f'an answer to {what}',
                 observed=f'no answer to call {number + 1}',
-                why=why_silent(run) or _why_no_service(run, service, answer),
+                why=why_silent(run) or why_no_service(run, service, answer),
             )
         got = {name: field_of(answer, name) for name in fields}
         if got != dict(fields):
@@ -353,11 +333,19 @@ def _why_no_result(answer: Event) -> Cause | None:
     return cause_of('returns_no_result') if NO_RESULT in reasons else None
 
 
-def _why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
+def why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
+    """
+    Explain why a call has no response.
+
+    :param service: full name
+    :param answer: the event ``no_answer``
+    """
     if answer.get('reason') == 'too_late':
         return cause_of('no_response')
     if answer.get('reason') != 'no_service' or ended_after_refusal(run):
         return None
+    if kind := run.names.services.get(service):
+        return why_no_endpoint(run, 'service', service, kind)
     return cause_of('no_service', service=service)
 
 

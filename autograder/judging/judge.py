@@ -1,7 +1,14 @@
-"""Judge a recording with the checks of an exam, as a pure function."""
+"""
+Judge a recording with the checks of an exam, and find when a check first observed a deviation.
 
+All functions are pure.  A check reports only what it expected and observed, and it may name the
+moment (``Failed(at=...)``).  Otherwise a binary search finds the shortest part of the recording,
+from its start, for which the check fails with the same message.
+"""
+
+from bisect import bisect_left
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
@@ -16,12 +23,13 @@ from autograder.results import CheckResult, Verdict
 from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.source_code import Code
 
+TAIL = ('graph', 'end', 'process')
+
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
     """
-    Judge every check of an exam, in order.
+    Judge every check of an exam, in order; nothing is executed.
 
-    :param run: files and recording; nothing is executed
     :raises GraderError: if a check itself breaks, which is not the student's fault
     """
     results: dict[str, CheckResult] = {}
@@ -35,11 +43,7 @@ def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
 
 
 def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
-    """
-    Return whether a run could change any verdict.
-
-    :param files: the student's files, which are enough for static checks
-    """
+    """Return whether a run could change any verdict, given the student's files."""
     nothing = Run(files, Recording({}, ()), exam.facts)
     results: dict[str, CheckResult] = {}
     blocked: set[str] = set()
@@ -114,3 +118,66 @@ def _place(code: Code, why: Cause, failure: Failed) -> str:
     lines = lines_of_code(failure.shown_by)
     place = place_of(code, acts, why.about, lines) if acts else None
     return place.words if place else ''
+
+
+# -- the first deviation ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """
+    A moment of a run.
+
+    :param index: index of an event in the recording
+    :param how: how the moment was found: ``named`` by the check, ``cut`` by shortening the
+        recording, ``ended`` if the run ended early, or ``end`` if only the whole run shows it
+    """
+
+    index: int
+    how: str
+
+
+def deviation(check: Check, run: Run) -> Deviation | None:
+    """Return when a check first observed a deviation; None if it passes or is static."""
+    events = run.recording.events
+    failure = failure_of(check, run)
+    if failure is None or check.static or not events:
+        return None
+    regular = [n for n, event in enumerate(events) if event['event'] not in TAIL] or [0]
+    if failure.at is not None:
+        moments = ((n, events[n].get('clock_ns')) for n in regular)
+        later = (n for n, moment in moments if moment is not None and moment >= failure.at)
+        return Deviation(next(later, regular[-1]), 'named')
+    if run.recording.end_reason != 'complete':
+        ends = [n for n, event in enumerate(events) if event['event'] == 'end']
+        return Deviation((ends or [len(events) - 1])[-1], 'ended')
+    index = _shortest(check, run, failure)
+    return Deviation(index, 'cut') if index < regular[-1] else Deviation(regular[-1], 'end')
+
+
+def failure_of(check: Check, run: Run) -> Failed | None:
+    """Return the failure of a check, None if it passes."""
+    try:
+        check.judge(run)
+    except Failed as failure:
+        return failure
+    return None
+
+
+def _shortest(check: Check, run: Run, failure: Failed) -> int:
+    """Return the index of the last event of the shortest part with the same failure."""
+    events = run.recording.events
+    body = len(events)
+    while body and events[body - 1]['event'] in TAIL:
+        body -= 1
+
+    def fails_alike(count: int) -> bool:
+        cut = Recording(run.recording.header, [*events[:count], *events[body:]])
+        try:
+            found = failure_of(check, replace(run, recording=cut))
+        except Exception:  # noqa: BLE001 - a check may break on part of a recording
+            return False
+        same = found and (found.expected, found.observed) == (failure.expected, failure.observed)
+        return bool(same)
+
+    return max(0, bisect_left(range(body), True, key=fails_alike) - 1)

@@ -15,10 +15,10 @@ from autograder.exam.specification import Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
 from autograder.judging.causes.text_table import acts_by_cause, cause_of
-from autograder.judging.checks import lines, own_logs, SECOND
+from autograder.judging.checks import lines, own_logs
 from autograder.judging.numbers import numbers_in
 from autograder.judging.rows import LATE_S, Row, rows, without_last
-from autograder.recording import INFO, WARN
+from autograder.recording import INFO, SECOND, WARN
 
 
 @dataclass(frozen=True)
@@ -51,17 +51,13 @@ class Followed:
         """Return the numbers in the lines at a level."""
         return [number for text in self.texts(level) for number in numbers_in(text)]
 
-    def showing(self, one: Any, level: int = INFO) -> int:
-        """Return the number of lines at a level that show an input."""
-        return sum(map(one.is_in, self.texts(level)))
+    def showing(self, one: Any) -> int:
+        """Return the number of INFO lines that show an input."""
+        return sum(map(one.is_in, self.texts(INFO)))
 
 
 def followed(run: Run, ask: str, logger: str) -> list[Followed]:
-    """
-    Return every input or burst of a specification, sent or not, with the log lines after it.
-
-    :param logger: full name of the node whose log lines are judged
-    """
+    """Return every input or burst of a specification, sent or not, with the log lines after it."""
     found = rows(run, ask, own_logs(run, logger))
     return [Followed(run.asked(ask).row(place), row) for place, row in enumerate(found)]
 

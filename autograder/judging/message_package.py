@@ -51,11 +51,7 @@ def fields_of(text: str) -> list[tuple[str, str]]:
 
 
 def require_fields(text: str, wanted: Fields) -> None:
-    """
-    Fail unless a message definition has exactly the given fields, in order.
-
-    :param text: content of a .msg file
-    """
+    """Fail unless a message definition has exactly the given fields, in order."""
     found = fields_of(text)
     if found == list(wanted):
         return
@@ -126,8 +122,6 @@ def require_declarations(
     """
     Fail unless a package.xml declares everything that its package needs.
 
-    :param text: content of a package.xml
-    :param package: required name of the package
     :param needed: rows as in ``of_manifests.txt``, by default those for a message package
     """
     try:
@@ -174,11 +168,7 @@ def _undeclared(
 
 
 def require_registered(text: str) -> None:
-    """
-    Fail if a package generates messages but is not registered with ROS 2.
-
-    :param text: content of a CMakeLists.txt
-    """
+    """Fail if a package's CMakeLists.txt generates messages but does not register them."""
     bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE]).lower()
     called = re.findall(r'\b(ament_(?:auto_)?package|rosidl_generate_interfaces)\s*\(', bare)
     if set(called) == {'rosidl_generate_interfaces'}:
@@ -197,8 +187,6 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
     Command names are in lower case.  Comments and quotes are removed, and variables from ``set``,
     ``list(APPEND)`` and ``project`` are replaced by their values.  Bracket arguments and generator
     expressions, which no lesson uses, are not parsed.
-
-    :param text: content of a CMakeLists.txt
     """
     bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE])
     variables: dict[str, str] = {}

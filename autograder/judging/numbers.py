@@ -21,11 +21,7 @@ GRAIN = 0.051
 
 
 def numbers_in(text: str) -> list[float]:
-    """
-    Return the numbers in a text, with their signs, including NaN and infinity.
-
-    A comma may be the decimal separator.
-    """
+    """Return the signed numbers in a text, even NaN and infinity; a comma may mark decimals."""
     return [float(found.replace(',', '.')) for found in _NUMBER.findall(text)]
 
 
@@ -56,11 +52,7 @@ def shows(text: str, *values: float) -> bool:
 
 
 def rounded(rule: Callable[[Change], Rule]) -> Slip:
-    """
-    Return the slip of a node that rounds its numbers too coarsely in log lines.
-
-    :param rule: builds the rule of a node that changes each number with the given function
-    """
+    """Return the slip of a node that rounds its numbers too coarsely in log lines."""
     return Slip.of(cause_of('rounded_in_text'), *map(rule, ROUNDED))
 
 

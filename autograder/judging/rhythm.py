@@ -13,8 +13,7 @@ from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.steps import SETTLE_S
 from autograder.judging.causes.ended import why_it_ended, why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
-from autograder.judging.checks import SECOND
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 from autograder.submission.code.acts import place_of
 from autograder.submission.code.source_code import Code
 
@@ -70,8 +69,10 @@ def require_period(
     if ended and seconds:
         # Another thread may publish once more while an exception ends the program.
         observed = f'{what}s only until the program ended'
+    only_count = bool(seconds) and not (odd or late or ended)
+    in_all = f' ({during_s / period_s:.0f} {what}s)' if only_count else ''
     raise Failed(
-        expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
+        expected=f'one {what} every {period_s:g} s for {during_s:g} s{in_all}{when}',
         observed=observed + (f', the first after {waited_s:.2g} s' if late else ''),
         why=ended or explain() or rhythm or why_silent(run),
         at=_first_difference_ns(seconds, period_s, waited_s if late else 0.0),
@@ -84,7 +85,6 @@ def _first_difference_ns(seconds: Sequence[float], period_s: float, waited_s: fl
     """
     Return when the first message was missing or arrived too early [ns]; None if none arrived.
 
-    :param seconds: times of the messages [s]
     :param waited_s: time until the first message if this was too long, otherwise 0 [s]
     """
     if not seconds:
@@ -107,13 +107,7 @@ def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:
 
 
 class Unheard(NamedTuple):
-    """
-    A time in which a topic had no subscription.
-
-    :param before: the last message before it, None for none
-    :param after: the first message after it
-    :param left_ns: when it began
-    """
+    """A time, from ``left_ns``, without a subscription, and the messages before and after."""
 
     before: Event | None
     after: Event
@@ -324,6 +318,11 @@ def why_other_rhythm(
         same = len(steps) > 1 and len(set(steps)) == 1 and steps[0] > 1 and _is(period_s, *between)
         often = f', once in {steps[0]:g} periods' if same else ''
         return cause_of('several_at_once', what=what, often=often, period_s=period_s)
+    # Fewer than three messages show no period, but a longer one in the code may explain them.
+    ticks = Code(run.files).numbers('create_timer') if len(gaps) < 2 else []
+    for tick_s in (one for one in ticks if one > period_s and (not gaps or _is(gaps[0], one))):
+        if during_s // tick_s <= len(found) <= during_s // tick_s + 1:
+            return _why_wrong_rate(run, tick_s, period_s, what)
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:
@@ -370,11 +369,7 @@ def _why_several_timers(gaps: Sequence[float], period_s: float, what: str) -> Ca
 
 
 def _why_wrong_rate(run: Run, mean_s: float, period_s: float, what: str) -> Cause:
-    """
-    Explain an even rhythm with a wrong period.
-
-    :param mean_s: the measured period [s]
-    """
+    """Explain an even rhythm with a wrong period, given the measured one."""
     words: dict[str, Any] = {'what': what, 'mean_s': mean_s, 'period_s': float(period_s)}
     ticks = Code(run.files).numbers('create_timer')
     parts = [one for one in ticks if 0 < one < mean_s and _is(0.0, math.remainder(mean_s, one))]

@@ -13,18 +13,13 @@ from typing import Any
 
 from autograder.exam import slips
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.exam.patterns import why_burst_cut, why_pattern
+from autograder.exam.patterns import why_burst_cut, why_left_out, why_pattern
 from autograder.exam.specification import sorted_answers, Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.text_table import cause_of
-from autograder.judging.checks import (
-    counted,
-    field_of,
-    require_endpoint,
-    SECOND,
-)
+from autograder.judging.checks import counted, field_of, require_endpoint
 from autograder.judging.rhythm import seconds_between
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 
 Row = list[Event]
 LATE_S = 0.015  # a message that a callback publishes at once arrives earlier [s]
@@ -38,7 +33,6 @@ def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
 
     Events after later inputs of the run are left out.
 
-    :param ask: name of the specification
     :param events: events of the run, each with the index of the last input before it
     :returns: None for a row whose input, or burst, was not completely sent
     """
@@ -86,15 +80,10 @@ def without_last(run: Run, came: Sequence[Any], place: int) -> Sequence[Any]:
     return [None if one == last else answer for one, answer in enumerate(came)]
 
 
-def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
-    """
-    Return the endpoints on a topic in one graph of the recording.
-
-    :param when: label of a :class:`autograder.exam.steps.Look`, ``start`` or ``end``
-    :param kind: ``'publisher'`` or ``'subscription'``
-    """
+def publishers_at(run: Run, when: str, topic: str) -> list[Event]:
+    """Return the publishers on a topic in a graph: ``start``, ``end`` or that of a ``Look``."""
     ends = (end for graph in run.recording.of('graph', when=when) for end in graph['endpoints'])
-    return [end for end in ends if (end['kind'], end['topic']) == (kind, topic)]
+    return [end for end in ends if (end['kind'], end['topic']) == ('publisher', topic)]
 
 
 def seconds_after_join(run: Run, topic: str, listener: str) -> float:
@@ -187,6 +176,8 @@ def why_other_answer(
     if slip := asked.cause(came, place, part or ()):
         return slip
     counts = [one if one is None else len(one) for one in came]
+    if left_out := why_left_out(asked, came):
+        return left_out
     if pattern := why_pattern(list(map(len, asked.answers)), counts):
         return pattern
     more = len(came[place] or ()) - len(asked.answers[place])
@@ -240,11 +231,7 @@ def require_values(
 
 
 def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'something else') -> str:
-    """
-    Return values as text for feedback, unless they may be inputs of a hidden exam.
-
-    :param secret: the text that replaces such values
-    """
+    """Return values as text, or ``secret`` for values that may be inputs of a hidden exam."""
     if values and run.secret:
         return secret
     texts = (f'{one:.12g}' if isinstance(one, float) else repr(one)[:40] for one in values or ())
@@ -253,9 +240,18 @@ def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'somethin
 
 def require_all_sent(run: Run, found: Sequence[object]) -> None:
     """Fail if a run ended before all inputs were sent."""
-    if found and found[-1] is None:
+    _require_alive(run, not found or found[-1] is not None, 'input')
+
+
+def require_complete(run: Run) -> None:
+    """Fail if a run ended before all steps were executed."""
+    _require_alive(run, run.recording.end_reason == 'complete', 'moment of the exam')
+
+
+def _require_alive(run: Run, alive: bool, until: str) -> None:
+    if not alive:
         raise Failed(
-            expected='a node that runs until the last input',
+            expected=f'a node that runs until the last {until}',
             observed='a node that ended earlier',
             why=why_silent(run),
         )

@@ -21,7 +21,7 @@ sys.path.append(os.path.join(os.path.dirname(sys.path[0]), 'inside'))
 gc.disable()  # imported modules are never garbage
 # ruff: noqa: E402
 
-from lazy_imports import use_lazy_imports  # type: ignore[import-not-found]  # in inside/
+from rclpy_patches import use_lazy_imports  # type: ignore[import-not-found]  # in inside/
 
 use_lazy_imports()  # before the first import of a ROS package
 

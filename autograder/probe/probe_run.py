@@ -5,8 +5,6 @@ The probe is an ordinary ROS program that shares a virtual clock with the studen
 stands still while either of them computes.  So when a wait of the probe ends, the student's
 program has handled every message sent to it, and all its answers have arrived; the probe needs no
 other synchronisation.
-
-From this project, this file imports only files of the probe; see ``probe.py`` for the reason.
 """
 
 from collections.abc import Callable
@@ -50,11 +48,7 @@ SILENT_SUBSCRIPTION = SubscriptionEventCallbacks(use_default_callbacks=False)
 
 
 class Probe:
-    """
-    One run of one scenario.
-
-    :param scenario: see :class:`autograder.exam.scenario.Scenario`
-    """
+    """One run of one scenario, see :class:`autograder.exam.scenario.Scenario`."""
 
     def __init__(self, scenario: dict[str, Any]) -> None:
         """Create the probe's first endpoints, before the student's code starts."""

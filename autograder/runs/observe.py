@@ -25,8 +25,7 @@ from autograder.runs.one_processor import keep_on, one_processor
 from autograder.runs.program import BUILDS, program_for, submission_folder
 from autograder.runs.watchdog import Watchdog
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED
-from autograder.sandboxes.forked import PROBE, start_program, STUDENT
-from autograder.sandboxes.probes import Probe, start_probe
+from autograder.sandboxes.forked import PROBE, Probe, start_probe, start_program, STUDENT
 from autograder.sandboxes.processes import oom_kills, running
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -131,11 +130,7 @@ class _RunLoop:
     killed_before: int = field(default_factory=lambda: oom_kills())
 
     def run(self) -> list[dict[str, Any]]:
-        """
-        Run until the probe has finished or a limit is exceeded, and return all events.
-
-        :raises ProbeFailed: if the probe failed, or something outside ended the sandbox
-        """
+        """Run until the probe has finished or a limit is exceeded, and return all events."""
         try:
             self._loop()
             self._record_end()
@@ -162,12 +157,7 @@ class _RunLoop:
         self._keep_event({'event': 'end', 'clock_ns': clock_ns, 'reason': reason})
 
     def _why_stopped(self, said: str) -> str:
-        """
-        Return the limit that ended the run, or ``probe_broken`` if the program broke the probe.
-
-        :param said: the last line of the probe's standard error
-        :raises ProbeFailed: if the probe was not ready in time, or failed by itself
-        """
+        """Return the limit that ended the run, or that the program broke the probe."""
         if self.killed and not self.ready_s:
             raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
         code, said = self.probe.returncode, said or 'no error message'

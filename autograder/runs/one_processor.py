@@ -51,9 +51,6 @@ def keep_on(processors: set[int], pids: Iterable[int]) -> None:
     Restrict the current and future threads of the given processes to the given processors.
 
     A process that has ended, or that the grader may not change, is skipped.
-
-    :param processors: numbers of the processors
-    :param pids: host pids
     """
     for pid in pids:
         with suppress(OSError):

@@ -17,13 +17,7 @@ from autograder.runs.version import difference, version
 
 
 def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mode: str) -> bytes:
-    """
-    Return one run as a task for a worker.
-
-    :param scenario: made by :meth:`autograder.exam.scenario.Scenario.to_json`
-    :param files: the student's files, text by relative path
-    :param mode: the isolation mode to use
-    """
+    """Return one run, with a scenario from ``Scenario.to_json``, as a task for a worker."""
     task = {'exam': exam, 'scenario': scenario, 'files': dict(files), 'mode': mode}
     return json.dumps({'version': version(), **task}).encode()
 

@@ -25,8 +25,7 @@ RUNS_PROGRAMS = (
     *('grading/examine.py', 'inside/**/*.py', 'probe/*.py', 'probe/probe.xml'),
     *('runs/observe.py', 'runs/program.py', 'runs/watchdog.py'),
     *('sandboxes/confinement.py', 'sandboxes/forked.py', 'sandboxes/fork_server.py'),
-    *('sandboxes/landlock.py', 'sandboxes/probes.py', 'sandboxes/processes.py'),
-    *('sandboxes/sandbox.py', 'simulated.py'),
+    *('sandboxes/landlock.py', 'sandboxes/processes.py', 'sandboxes/sandbox.py', 'simulated.py'),
 )
 """Files of the grader that can affect a recording."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
@@ -41,11 +40,7 @@ TASKS = 1
 
 @lru_cache(maxsize=4)
 def version(python: str = sys.executable) -> Mapping[str, str]:
-    """
-    Return the versions and digests that must be equal on two machines, by name.
-
-    :param python: interpreter of the prepared environment
-    """
+    """Return the versions and digests that must be equal on two machines, by name."""
     venv = Path(python).parents[1]
     further = ros.further_messages(venv)
     return {
@@ -75,7 +70,6 @@ def environment_digest(python: str, texts: Iterable[str]) -> str:
     The digest includes a package of ``environment/messages.txt`` only if one of the texts names
     it, so adding a package keeps all other recordings valid.
 
-    :param python: interpreter of the prepared environment
     :param texts: contents of the program's files, and the scenario as JSON
     """
     further = ros.further_messages(Path(python).parents[1])

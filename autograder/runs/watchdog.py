@@ -48,7 +48,6 @@ class Watchdog:
         limits: Limits,
         builds: bool,
     ) -> None:
-        """Start with all counts at zero."""
         self.student, self.others = student, others
         self.limits = limits
         self.builds = builds
@@ -96,8 +95,6 @@ class Watchdog:
         between two checks.  If it lives for a tenth of a gap, one of ten checks finds it.  So a
         process that is found for the first time while it computes counts as if it computed as
         much in the whole gap as in its life so far.
-
-        :param gap_s: real time since the last check [s]; a delay of the grader does not count
         """
         for pid, (used_s, age_s, states) in each.items():
             earlier_s = self.each[pid].used_s if pid in self.each else math.inf
@@ -114,10 +111,6 @@ class Watchdog:
         Progress does not renew a budget; otherwise, a program could alternate waits outside the
         virtual clock with short waits on it.  A thread in state D can continue by itself, and a
         stopped probe (T or t) when somebody continues it.
-
-        :param others: the processes of the probe and of the clock's driver
-        :param gap_s: real time since the last check [s]
-        :param begun: whether a node has been seen
         """
         earlier, self.everything = self.everything, {**self.each, **others}
         before, used = (

@@ -18,8 +18,7 @@ from autograder.clock.virtual_clock import SYSTEM_TIME_NS, VirtualClock
 from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
-from autograder.sandboxes.forked import INSIDE, PROBE, start_program
-from autograder.sandboxes.probes import start_probe
+from autograder.sandboxes.forked import INSIDE, PROBE, start_probe, start_program
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
 TRIAL = ('/grader/inside/run_node.py', '/grader/inside/trial.py')

@@ -56,7 +56,6 @@ class Fork:
     A process of one run.
 
     :param server: the server that forked the process and reports its exit code
-    :param pid: host process id
     :param gate: the grader's end of the process's standard input
     """
 
@@ -68,18 +67,10 @@ class Fork:
 
 
 class ForkServer:
-    """
-    A process that forks other processes, one at a time.
-
-    :param sandbox: the sandbox that confines the forks and, if boxed, the server itself
-    """
+    """A process that forks others, one at a time; its sandbox confines them and, if boxed, it."""
 
     def __init__(self, sandbox: Sandbox, loaded: Loaded) -> None:
-        """
-        Start the process, and wait until it has imported rclpy.
-
-        :raises SandboxUnavailable: if the process does not start
-        """
+        """Start the process, and wait until it has imported rclpy."""
         self.sandbox, self.loaded = sandbox, loaded
         self.channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
@@ -146,11 +137,7 @@ class ForkServer:
         return Fork(self, pid, gate, *outputs)
 
     def ended(self) -> int | None:
-        """
-        Wait for the exit code of the last fork and return it; None if the server has failed.
-
-        If the exit code is known, the server is ready for the next run.
-        """
+        """Wait for the exit code of the last fork, and free the server; None if it has failed."""
         try:
             code = int(self._answer()[0])
         except ProbeFailed:
@@ -163,11 +150,7 @@ class ForkServer:
         _idle.append(self)
 
     def _answer(self) -> tuple[bytes, int]:
-        """
-        Receive one message, and return it with its sender's process id.
-
-        :raises ProbeFailed: if no message arrives within 120 s, or the server has ended
-        """
+        """Receive one message, and return it with its sender's process id."""
         space = socket.CMSG_SPACE(CREDENTIALS.size)
         try:
             said, more, _, _ = self.channel.recvmsg(ANSWER_BYTES, space)

@@ -29,7 +29,6 @@ class Mode:
     """
     One way to isolate a program.
 
-    :param what: a description of the mode
     :param lacks: what the mode does not protect; empty for full isolation
     :param keeps_secrets: whether hidden exams may be run, because programs cannot read them
     :param root: whether the grader must be root (then the program gets a temporary uid) or must
@@ -119,7 +118,6 @@ FIX_CONTAINER = (
     '--security-opt apparmor=unconfined. See environment.md, section "Container".'
 )
 
-
 KERNEL = (
     ('kernel/apparmor_restrict_unprivileged_userns', ('1', '2'), FIX_APPARMOR),
     ('kernel/unprivileged_userns_clone', ('0',), FIX_CLONE),
@@ -132,7 +130,6 @@ def fix_for(said: str, system: Path = Path('/')) -> str:
     """
     Return the fix for an error message from bubblewrap, or from a program in the sandbox.
 
-    :param said: the error message
     :param system: root of the file system that shows the settings
     """
     if 'nknown option' in said:

@@ -30,12 +30,7 @@ NO_FILTER = (
 
 
 def refusal(root: bool) -> tuple[str, str]:
-    """
-    Return why the kernel's Landlock cannot be used, and the fix.
-
-    :param root: whether the grader is root, so that the program can get its own uid
-    :returns: reason and fix; two empty strings if Landlock can be used
-    """
+    """Return why the kernel's Landlock cannot be used, and the fix; both empty if it can."""
     try:
         found = confine.landlock_version()
     except OSError as error:
@@ -80,11 +75,7 @@ def own_nodes(ros: RosEnvironment, course_messages: bool) -> set[Path]:
 
 
 def readable(ros: RosEnvironment, course_messages: bool) -> tuple[list[str], list[str]]:
-    """
-    Return the paths that a program may read, and the folders that it may only list.
-
-    :param course_messages: see :func:`own_nodes`
-    """
+    """Return the paths that a program may read, and the folders that it may only list."""
     closed = own_nodes(ros, course_messages)
     read = list(SYSTEM)
     names: list[str] = []

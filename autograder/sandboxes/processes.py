@@ -34,8 +34,6 @@ def running(*pids: int) -> list[int]:
     Return the pids of processes and their descendants that have not ended.
 
     A process that has ended keeps its pid, as a zombie, until its parent reads the exit code.
-
-    :param pids: host pids
     """
     return [one for one in family(*pids) if _states(one).strip(b'ZX')]
 
@@ -130,11 +128,7 @@ class Usage(NamedTuple):
 
 
 def usage(*pids: int) -> Usage:
-    """
-    Return what processes and their descendants use.
-
-    :param pids: host pids
-    """
+    """Return what processes and their descendants use."""
     resident, ticks, each = 0, 0, {}
     for current in family(*pids):
         try:

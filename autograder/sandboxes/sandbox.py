@@ -38,11 +38,7 @@ FIRST_UID, UIDS = 1_000_000_000, 1_000_000_000
 
 
 class Sandbox:
-    """
-    One way to confine programs.
-
-    :param mode: see :data:`autograder.sandboxes.isolation.MODES`
-    """
+    """One way to confine programs: a mode of :data:`autograder.sandboxes.isolation.MODES`."""
 
     def __init__(self, mode: str, ros: RosEnvironment | None = None) -> None:
         """Use the given ROS environment, or read the prepared one."""
@@ -235,11 +231,7 @@ class Sandbox:
     def host_command(
         self, program: Program, home: Path, domain: int, limits: Limits | None = None
     ) -> tuple[list[str], dict[str, str]]:
-        """
-        Return a program's command line and environment variables, with host paths.
-
-        :param limits: limits to add to the command line, None for no limits
-        """
+        """Return a program's command line and environment variables, with host paths."""
         inside = {guest: host for host, guest in program.binds.items()}
         variables = {
             name: _host_path(value, inside)
@@ -260,11 +252,7 @@ class Sandbox:
         return {'uid': uid, 'filter': str(landlock.filter_file())}
 
     def landlock_rules(self, program: Program, *write: str) -> dict[str, Any]:
-        """
-        Return the rules with Landlock.
-
-        :param write: paths that the program may write to, in addition to devices
-        """
+        """Return the rules with Landlock; a program may write only to devices and some paths."""
         read, names = landlock.readable(self.ros, program.course_messages)
         return {
             **self.rules(),
@@ -308,7 +296,6 @@ def start_bwrap(
     """
     Start bubblewrap, and pass its options through a pipe.
 
-    :param fds: descriptors that bubblewrap inherits
     :param pipes: arguments of :class:`subprocess.Popen` that replace those in :data:`PIPES`
     """
     listed, writing = os.pipe()

@@ -14,17 +14,13 @@ import sys
 
 from autograder.commands import OK, USAGE
 from autograder.commands.check import REFUSALS, refuse, sandbox_for
-from autograder.simulation.order import Input, Order
+from autograder.simulation.documents import Input, Order
 from autograder.simulation.run import record
 from autograder.submission.package import read_package
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run the program and return its exit code.
-
-    :param arguments: the command line without the program
-    """
+    """Run the program and return its exit code."""
     parser = argparse.ArgumentParser(prog='python -m autograder.simulation')
     parser.add_argument('--files', type=Path, required=True, help='folder of the package')
     parser.add_argument(

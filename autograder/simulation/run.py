@@ -16,7 +16,7 @@ from autograder.exam.steps import Advance, Feed, Join, Qos, Step
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
 from autograder.sandboxes.sandbox import Sandbox
-from autograder.simulation.order import Input, Order
+from autograder.simulation.documents import Input, Order
 
 LOOK_S = 2.0
 """Length of the first run [s]."""
@@ -36,7 +36,7 @@ def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recordin
     Run a program in a sandbox on the virtual clock.
 
     :param files: text by relative path, including the node file
-    :returns: the recording for :func:`autograder.simulation.result.read_simulation`; if the run
+    :returns: the recording for :func:`autograder.simulation.documents.read_simulation`; if the run
         exceeded a limit, the recording ends at that time
     :raises UsageError: if an input cannot be sent, or a topic is missing
     :raises GraderError: if the grader failed
@@ -73,8 +73,6 @@ def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
     """
     Return the scenario that sends the inputs at their times and watches all known topics.
 
-    :param before: the scenario of the previous run
-    :param seen: the recording of the previous run, which shows the program's topics
     :raises UsageError: if the program does not have a topic that the order names
     """
     watch = {**before.watch, **_types(seen, 'publisher')}
@@ -99,11 +97,7 @@ def _moments(order: Order, seen: Recording) -> list[tuple[int, Feed | Join]]:
 
 
 def _timed(now_ns: int, moments: Sequence[tuple[int, Feed | Join]], end_ns: int) -> Iterator[Step]:
-    """
-    Yield the steps with the waits between them.
-
-    :raises UsageError: if a time is before ``now_ns``, or while a subscription is joining
-    """
+    """Yield the steps with the waits between them; UsageError if a time is too early."""
     for at_ns, step in moments:
         if at_ns < now_ns:
             raise UsageError(

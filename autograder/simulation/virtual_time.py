@@ -15,8 +15,7 @@ import pytest
 from autograder.commands.check import sandbox_for
 from autograder.errors import UsageError
 from autograder.simulated import Simulation
-from autograder.simulation.order import order_of
-from autograder.simulation.result import read_simulation
+from autograder.simulation.documents import order_of, read_simulation
 from autograder.simulation.run import record
 
 ENTRY = 'entry_point.py'
@@ -61,7 +60,6 @@ def files_of(program: str | os.PathLike[str]) -> tuple[str, dict[str, str]]:
     The program can import the modules next to its file by name, and as modules of a package with
     the name of the folder.
 
-    :param program: a Python file, or an entry point such as ``my_package.my_node:main``
     :raises UsageError: if the file or module does not exist
     """
     module, colon, function = str(program).partition(':')

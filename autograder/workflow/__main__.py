@@ -28,11 +28,7 @@ from autograder.workflow.report import Checked, classroom_result, error_commands
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run the checks, print the annotations, and write the summary and the points for GitHub.
-
-    :returns: the exit code
-    """
+    """Run the checks, print the annotations, and write the summary and the points for GitHub."""
     parser = argparse.ArgumentParser(prog='python -m autograder.workflow')
     parser.add_argument('lessons', nargs='*', metavar='LESSON', help='lesson (default: all)')
     chosen = parser.parse_args(arguments)
@@ -52,11 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def checked(layout: Layout, lessons: Sequence[str], engine: Engine) -> Iterator[Checked]:
-    """
-    Yield the outcome of each exam; an exercise that was not attempted is not run.
-
-    :raises GraderError: if the grader failed
-    """
+    """Yield the outcome of each exam; an exercise that was not attempted is not run."""
     for lesson in lessons:
         if exams := catalog.for_assignment(lesson, hidden=False):
             path = layout.release(lesson)

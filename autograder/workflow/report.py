@@ -29,7 +29,6 @@ class Checked:
     The outcome of one exam of a repository.
 
     :param file: path of the notebook in the repository
-    :param text: content of the file
     :param source: text of the answer cell, empty if it is missing
     :param attempted: whether the answer was written; otherwise nothing was run
     :param result: the exam's result; without a run, the checks have no points
@@ -59,7 +58,6 @@ def line_in_file(text: str, source: str, line: int) -> int:
     Return the line of a notebook's file that contains a line of a cell.
 
     :param text: the file; notebooks have one JSON string per line of a cell
-    :param source: text of the cell
     :param line: line of the cell, from 1
     :returns: 1 if the cell is not found
     """

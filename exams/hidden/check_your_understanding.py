@@ -11,7 +11,8 @@ from typing import Any
 import yaml
 
 from autograder.errors import ExamInvalid
-from autograder.exam.exam import Cause, Check, Failed, Run
+from autograder.exam.exam import Cause, Failed, Run
+from autograder.judging.claims import claim
 from autograder.submission.cells import LETTERS
 from exams.visible.check_your_understanding import build, letter_of, QUESTIONS
 
@@ -54,13 +55,10 @@ def judge(question: str, entry: Mapping[str, Any]) -> Callable[[Run], None]:
 
 exam = build()
 for _question, _entry in key().items():
-    exam.add(
-        Check(
-            name=_question,
-            title=f'Question {int(_question[1:])}, {_entry["about"]}.',
-            points=1,
-            judge=judge(_question, _entry),
-            read=_entry['read'],
-            static=True,
+    exam.check(points=1, read=_entry['read'], static=True)(
+        claim(
+            _question,
+            f'Question {int(_question[1:])}, {_entry["about"]}.',
+            judge(_question, _entry),
         )
     )

@@ -54,11 +54,7 @@ def path_of(question: str) -> str:
 
 
 def letter_of(run: Run, question: str) -> str:
-    """
-    Return the chosen letter.
-
-    :raises Failed: if the answer is not one of the letters
-    """
+    """Return the chosen letter; fail if the answer is not one of the letters."""
     expected = "one of 'a', 'b', 'c', 'd'"
     text = run.files.get(path_of(question), '')
     try:

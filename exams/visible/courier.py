@@ -17,10 +17,10 @@ from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, Join, Leave, Look, Mark, Step
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_silent, why_thread_ended
-from autograder.judging.checks import counted, require_field, SECOND
+from autograder.judging.checks import counted, require_field
 from autograder.judging.claims import node, offers
-from autograder.judging.rows import endpoints_at, seconds_after_join
-from autograder.recording import Event
+from autograder.judging.rows import publishers_at, seconds_after_join
+from autograder.recording import Event, SECOND
 from autograder.submission.code.source_code import Code
 
 NODE = '/courier'
@@ -45,11 +45,10 @@ def parcels(run: Run, listener: str) -> list[Event]:
 
 def _lives(run: Run, when: str) -> bool:
     """Return whether the node's publisher is in the graph labelled ``delivered`` or ``end``."""
-    return bool(endpoints_at(run, when, 'publisher', TOPIC))
+    return bool(publishers_at(run, when, TOPIC))
 
 
 def _why_gone(run: Run) -> Cause | None:
-    """Explain why a node ended."""
     recording = run.recording
     if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
         return why_silent(run)

@@ -23,7 +23,6 @@ EXERCISE = 'Exercise 1: two nodes, one program'
 BOTH = 1.5
 """Log lines per second of both nodes together [1/s]."""
 
-
 WHY = Causes(__file__)
 
 
@@ -112,11 +111,7 @@ def _require_reports(run: Run, node: str, period_s: int) -> None:
 
 
 def build(seconds: int) -> Exam:
-    """
-    Return the exam for a given duration.
-
-    :param seconds: duration of the phase that is judged [s]
-    """
+    """Return the exam for a given duration of the phase that is judged."""
     asked = [get_parameters(node, patience_s=3.0) for node in (LOOKOUT, KEEPER)]
     exam = Exam(
         'harbour',

@@ -7,24 +7,23 @@ the default 30.0, and ``place``, any string, at first ``motor``; the node refuse
 ``std_msgs/msg/Float64`` on ``motor_temperature`` above the limit in force causes one WARN line.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 import math
 import operator
 from typing import NamedTuple
 
 from autograder.exam.exam import Exam, Run, Scenario
-from autograder.exam.ranges import Accepts, in_force_slips, range_slips
-from autograder.exam.slips import Compare, warning_slips
+from autograder.exam.slips import Accepts, Compare, in_force_slips, range_slips, warning_slips
 from autograder.exam.specification import each, Rule, Specification
-from autograder.exam.steps import BURST, feeds, get_parameters, set_parameters, Step
+from autograder.exam.steps import BURST, feeds, read_parameters, set_parameters, Step
 from autograder.exam.words import Causes
 from autograder.judging.checks import field_of, own_logs, require_answers
-from autograder.judging.claims import answers, hears, node
+from autograder.judging.claims import answers, declares, hears, node
 from autograder.judging.log_rows import require_warnings
 from autograder.judging.rows import require_all_sent, rows
 
-LIMIT, PLACE, DEFAULT_PLACE = 'limit_c', 'place', 'motor'
+LIMIT, PLACE = 'limit_c', 'place'
 LOWEST_C, HIGHEST_C = -40.0, 125.0
 NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
 JUST_OUTSIDE = (LOWEST_C * (1 + 1e-9), HIGHEST_C * (1 + 1e-9))
@@ -33,11 +32,11 @@ ACCEPTED = 'results.0.successful'
 Change = tuple[str, float | int | str]
 """The name of a parameter and its requested value."""
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
-SERVICE, READ, DEFAULT_C = f'{NODE}/set_parameters', f'{NODE}/get_parameters', 30.0
+SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
+DEFAULTS: Mapping[str, float | str] = {LIMIT: DEFAULT_C, PLACE: 'motor'}
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
 
-
-WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, DEFAULT_C=DEFAULT_C, DEFAULT_PLACE=DEFAULT_PLACE)
+WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, DEFAULT_C=DEFAULT_C)
 
 
 class Reading(NamedTuple):
@@ -124,12 +123,7 @@ def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
 def in_force(
     asked: Specification, changes: Sequence[Change], accepted: Sequence[bool | None]
 ) -> Specification:
-    """
-    Return the specification of the warnings for the limits that a node has actually accepted.
-
-    :param asked: the specification for the limits that a correct node accepts
-    :param accepted: the node's answers to the changes, in order; None without an answer
-    """
+    """Return the specification of the warnings for the limits that a node has accepted."""
     limits = [asked.inputs[0].start]
     for (name, value), taken in zip(changes, accepted):
         limits.append(float(value) if name == LIMIT and taken else limits[-1])
@@ -147,19 +141,11 @@ DECISIONS = (
     WHY.slip('declared_as_integer', deciding(kinds=(int,))),
 )
 
-
 WARNINGS = (
     WHY.slip('zero_is_none', warns(limit=lambda one: one.limit or DEFAULT_C)),
     *in_force_slips(lambda limit: warns(limit=limit), LIMIT, DEFAULT_C),
     *warning_slips(warns, LIMIT, BURST),
 )
-
-
-def declares_its_parameters(run: Run) -> None:
-    """Without arguments, its limit is 30.0, and its place is motor."""
-    due = {'values.0.double_value': DEFAULT_C, 'values.1.string_value': DEFAULT_PLACE}
-    what = f'the request for {LIMIT} and {PLACE}'
-    require_answers(run, READ, [due], what, explain=lambda place: WHY['other_default'])
 
 
 def _require_warnings(run: Run, before: bool) -> None:
@@ -223,7 +209,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
             arguments=('-p', f'{LIMIT}:={start}'),
             feed={SOURCE: TYPE},
             steps=steps,
-            again=Scenario(file='limit_keeper.py', steps=[get_parameters(NODE, [LIMIT, PLACE])]),
+            again=Scenario(file='limit_keeper.py', steps=read_parameters(NODE, DEFAULTS)),
         ),
         read='Part 5: A threshold that can be changed',
         asks={
@@ -234,7 +220,14 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     exam.check(points=1)(node(NODE))
     exam.check(points=1)(hears(SOURCE, TYPE))
     exam.check(points=2, needs=['hears_motor_temperature'])(warns_above_the_limit)
-    exam.check(points=1, needs=['starts_its_node'], again=True)(declares_its_parameters)
+    exam.check(points=1, needs=['starts_its_node'], again=True)(
+        declares(
+            NODE,
+            DEFAULTS,
+            'declares_its_parameters',
+            'Without arguments, its limit is 30.0, and its place is motor.',
+        )
+    )
     exam.check(points=2, needs=['starts_its_node'])(
         answers(
             'changes',

@@ -12,8 +12,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
-from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
-from autograder.exam.slips import changing, leaving_out
+from autograder.exam.slips import (
+    changing,
+    in_force_slips,
+    leaving_out,
+    Limit,
+    limiting_slips,
+    within,
+)
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import feeds, get_parameters, set_parameters
 from autograder.exam.words import Causes
@@ -30,7 +36,6 @@ DEFAULT, IN_FILE = 1.0, 0.5  # of max_speed [m/s]
 EXERCISE = 'Exercise 1: a speed limiter'
 DOUBLE = 3  # PARAMETER_DOUBLE in rcl_interfaces/msg/ParameterType
 WHY = Causes(__file__, FILE=FILE, IN_FILE=IN_FILE)
-
 
 DECLARATIONS = """
 <depend>rclpy</depend>
@@ -52,11 +57,7 @@ class Wanted(NamedTuple):
 
 
 def limited(cut: Limit = within) -> Rule:
-    """
-    Return the rule of a program that limits each speed independently.
-
-    :param cut: limits a speed; by default, the correct function
-    """
+    """Return the rule of a program that limits each speed independently."""
     found = each(lambda one: cut(one.speed, one.most))
     return lambda inputs: [() if one is None else (one,) for one in found(inputs)]
 

@@ -38,7 +38,7 @@ from autograder.judging.checks import (
 )
 from autograder.judging.claims import node
 from autograder.judging.rhythm import require_period, seconds_between, with_unheard
-from autograder.judging.rows import endpoints_at
+from autograder.judging.rows import publishers_at
 from autograder.recording import Event
 from autograder.submission.code.source_code import Code
 
@@ -52,17 +52,12 @@ ACTIVE = ('active', 'active again')
 UNHEARD_S = 1.2  # in the first active phase, without a subscription [s]
 EXERCISE = 'Exercise 1: a managed beacon'
 
-
 WHY = Causes(__file__)
 
 
 def publishers(run: Run, when: str) -> list[Event]:
-    """
-    Return the publishers on the topic in a graph of the recording.
-
-    :param when: label of the graph, see :class:`autograder.exam.steps.Look`
-    """
-    return endpoints_at(run, when, 'publisher', run.facts['topic'])
+    """Return the publishers on the topic in a graph of the recording, given its label."""
+    return publishers_at(run, when, run.facts['topic'])
 
 
 def is_managed(run: Run) -> None:
@@ -175,12 +170,7 @@ def cleans_up_unused(run: Run) -> None:
 
 
 def build(namespace: str = '', seconds: float = 4.0) -> Exam:
-    """
-    Return the exam.
-
-    :param namespace: namespace in which the node is started, such as ``/lab``; empty for none
-    :param seconds: duration of each active phase [s]
-    """
+    """Return the exam with active phases of some seconds, in a namespace such as ``/lab``."""
     name, topic = f'{namespace}/beacon', f'{namespace}/beacon_signal'
     # Add some hundredths of a second, so that no transition falls exactly on a tick of a timer
     # that an earlier transition started: at such a moment, either may be first.

@@ -53,23 +53,17 @@ EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
 CHANGE, SETTING = f'{NODE}/change_state', f'{NODE}/set_parameters'
 ANSWER_S = 3.0  # after each input: enough for a thread that polls every two seconds [s]
 
-
 INACTIVE = ('accepted', 'paused')
 """The phases in which the probe sends pressures while the node is not active."""
 SET_AGAIN = ('still', 'again')
 """The phases in which the probe sends pressures while the parameter has its second value."""
-
 
 WHY = Causes(__file__)
 
 
 @dataclass(frozen=True)
 class Pressure:
-    """
-    One pressure that the probe sends.
-
-    :param limits: the limits of the first and the second configuration
-    """
+    """One pressure that the probe sends, with the limits of the first and second configuration."""
 
     value: float
     phase: str

@@ -22,11 +22,11 @@ from autograder.exam.steps import Advance, Feed, feeds, Join, Leave, Offer, Qos
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import safe_quotation
-from autograder.judging.checks import SECOND, why_not_reached
+from autograder.judging.checks import why_not_reached
 from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import seconds_between
-from autograder.judging.rows import delays, endpoints_at, rows, why_other_answer
-from autograder.recording import Event
+from autograder.judging.rows import delays, publishers_at, rows, why_other_answer
+from autograder.recording import Event, SECOND
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
@@ -111,11 +111,7 @@ def has_a_map_from_the_start(run: Run) -> None:
 
 
 def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> Cause | None:
-    """
-    Explain why the first map is missing or wrong.
-
-    :param before: received texts that are not surveys
-    """
+    """Explain why the first map is missing or wrong, given texts that are not surveys."""
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
     if found.count(FIRST) > 1:
@@ -169,7 +165,6 @@ def publishes_each_survey(run: Run) -> None:
 
 
 def _all_new(run: Run) -> list[str]:
-    """Return all new maps as one list."""
     return [text for row in new_maps(run) for text in row or ()]
 
 
@@ -241,7 +236,7 @@ def _why_many(run: Run, kept: int) -> Cause | None:
     if kept < 2:
         return None
     looks = (graph['when'] for graph in run.recording.of('graph'))
-    publishers = max(len(endpoints_at(run, when, 'publisher', '/map')) for when in looks)
+    publishers = max(len(publishers_at(run, when, '/map')) for when in looks)
     if publishers > 1:
         return WHY.of('several_publishers', publishers=publishers)
     return WHY.of('keeps_too_many', about=['map'], kept=kept)

@@ -40,7 +40,6 @@ No timer of 0.5 s or 1 s ticks with every number, so a stamp that a timer took i
 SMALLEST = 1e-300  # no thousandth of a number is smaller, except zero
 EXERCISE = 'Exercise 2: from one type to another'
 
-
 WHY = Causes(__file__)
 
 
@@ -76,7 +75,6 @@ SLIPS = (
     WHY.slip('not_divided', converting(float)),
     WHY.slip('value_not_set', converting(lambda number: 0.0)),
 )
-
 
 NAME_SLIPS = (
     WHY.slip('first_name', lambda inputs: [(inputs[0].description,) for _ in inputs]),

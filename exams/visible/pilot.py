@@ -17,8 +17,7 @@ import math
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Advance, Exam, Feed, Run, Scenario
-from autograder.exam.ranges import within
-from autograder.exam.slips import Change, changing
+from autograder.exam.slips import Change, changing, within
 from autograder.exam.specification import Rule, Specification
 from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages
@@ -42,17 +41,11 @@ REPLACED_S = 0.03  # from a value to a new one on the same topic; few timers tic
 Heard = Sequence[Sequence[float]]
 """The values received so far on each topic, in order of arrival."""
 
-
 WHY = Causes(__file__, OLD_S=OLD_S)
 
 
 class PilotInput(NamedTuple):
-    """
-    One input.
-
-    :param topic: index of its topic, from 0
-    :param lasts_s: time to the next input [s]
-    """
+    """One input: the index of its topic, from 0, and the time to the next input [s]."""
 
     topic: int
     value: float

@@ -92,11 +92,7 @@ def changes_only(numbers: Sequence[float]) -> list[Means]:
 
 
 def dividing(add: Callable[[float], float]) -> Rule:
-    """
-    Return the rule of a program that counts NaN as a number.
-
-    :param add: returns the value that the program adds to its sum for a number
-    """
+    """Return the rule of a program that counts NaN as a number, and adds ``add(number)``."""
     return lambda numbers: [
         () if math.isnan(one) else (sum(map(add, numbers[:n])) / n,)
         for n, one in enumerate(numbers, 1)
@@ -173,7 +169,6 @@ SLIPS = (
     WHY.slip('skips_large', averaging(counts=lambda one, last: abs(one) < 1e6)),
     WHY.slip('sum_spoiled', dividing(lambda one: one)),
 )
-
 
 NAN_FIRST = (math.nan, 4.0, 6.0)
 FIRST_COUNTS = WHY.slip(

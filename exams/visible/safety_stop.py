@@ -14,12 +14,11 @@ import math
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Exam, Run, Scenario
-from autograder.exam.ranges import Limit, limiting_slips, within
-from autograder.exam.slips import Change, changing, SKIPS_EQUAL
+from autograder.exam.slips import Change, changing, Limit, limiting_slips, SKIPS_EQUAL, within
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.exam.steps import Advance, BURST, Feed, Leave
 from autograder.exam.words import Causes
-from autograder.judging.checks import field_of, require_messages, SECOND
+from autograder.judging.checks import field_of, require_messages
 from autograder.judging.claims import node, passes
 from autograder.judging.rhythm import GRAIN_S
 from autograder.judging.rows import (
@@ -28,6 +27,7 @@ from autograder.judging.rows import (
     require_one_for_one,
     require_values,
 )
+from autograder.recording import SECOND
 
 SOURCE, TARGET, TWIST = '/cmd_vel_raw', '/cmd_vel', 'geometry_msgs/msg/Twist'
 FIELDS = 'linear.x', 'angular.z'
@@ -37,16 +37,11 @@ QUIET_S = 0.9  # at the start, without a command, and at the end, without a driv
 SHORT_S, MIDDLE_S, LONG_S = (0.31, 0.43), 0.83, 1.66  # from one command to the next
 Pair = tuple[float, float]
 
-
 WHY = Causes(__file__, LATE_S=LATE_S, SILENCE_S=SILENCE_S, LATEST_S=SILENCE_S + LATE_S)
 
 
 class Command(NamedTuple):
-    """
-    One input.
-
-    :param lasts_s: time to the next input [s]
-    """
+    """One input, and the time to the next one [s]."""
 
     speed: float
     turn: float
@@ -273,11 +268,7 @@ def keeps_its_times(run: Run) -> None:
 
 
 def build(commands: Sequence[Command]) -> Exam:
-    """
-    Return the exam for some commands.
-
-    :param commands: the last :data:`BURST` of them are sent at once
-    """
+    """Return the exam for some commands, the last :data:`BURST` of them sent at once."""
     data = [{'linear': {'x': one.speed}, 'angular': {'z': one.turn}} for one in commands]
     singles = [
         Feed(SOURCE, [sent], every_s=one.lasts_s, rest_s=0.0)

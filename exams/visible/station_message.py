@@ -39,11 +39,7 @@ _CONSTANT = re.compile(r'(\S+)\s+(\w+)\s*=\s*(\S+)')
 
 
 def constants_of(text: str) -> dict[str, tuple[str, str]]:
-    """
-    Return the constants of a message definition as name -> (type, value).
-
-    :param text: content of a .msg file
-    """
+    """Return the constants of a message definition as name -> (type, value)."""
     found = {}
     for line in _lines(text):
         match = _CONSTANT.fullmatch(line)

@@ -116,11 +116,7 @@ def random_reading(draw: random.Random) -> dict[str, Any]:
 
 
 def build(sent: Sequence[dict[str, Any]]) -> Exam:
-    """
-    Return the exam for some messages.
-
-    :param sent: fields of each message that the probe sends
-    """
+    """Return the exam for some messages that the probe sends."""
     exam = Exam(
         'temperature_message',
         title='The Temperature message and its package',

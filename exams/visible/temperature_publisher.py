@@ -22,7 +22,7 @@ from autograder.exam.scenario import RosClock, Scenario
 from autograder.exam.steps import Advance, Mark, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_it_sleeps, why_silent
-from autograder.judging.checks import counted, require_field, require_messages, SECOND
+from autograder.judging.checks import counted, require_field, require_messages
 from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import (
     GRAIN_S,
@@ -33,7 +33,7 @@ from autograder.judging.rhythm import (
     with_unheard,
 )
 from autograder.judging.stamps import require_stamps
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'
@@ -46,7 +46,6 @@ STEP_S = 0.1  # step of the ROS clock [s]; ten ticks of a 0.1 s timer take exact
 BEGINS_S = 1.0 + STEP_S  # limit for the first message, after the node is seen [s of ROS time]
 EXERCISE = 'Exercise 2: the publisher node'
 
-
 WHY = Causes(__file__, COLDEST_C=COLDEST_C, HOTTEST_C=HOTTEST_C)
 
 
@@ -56,11 +55,7 @@ def readings(run: Run) -> list[Event]:
 
 
 def enough_readings(run: Run) -> list[Event]:
-    """
-    Return the readings if there are enough to judge *every* reading.
-
-    :raises Failed: if less than a quarter of the expected readings arrived
-    """
+    """Return the readings; fail if less than a quarter of those expected arrived."""
     found, due = readings(run), int(run.facts['seconds'])
     if len(found) < due // 4:
         raise Failed(

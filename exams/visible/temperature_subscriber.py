@@ -168,12 +168,7 @@ def does_not_warn_about_nan(run: Run) -> None:
 
 
 def _require_warnings(run: Run, kind: str, shared: bool = False) -> None:
-    """
-    Fail unless each reading is followed by the expected number of warnings.
-
-    :param kind: group of readings, see :attr:`Reading.group`
-    :param shared: whether partly correct results give part of the points
-    """
+    """Fail unless each reading of a group is followed by the expected number of warnings."""
     groups, asked = sent(run), run.asked('warnings')
     kinds = [group.inputs[0].group for group in groups]
     require_warnings(
@@ -205,11 +200,7 @@ def _why_none(run: Run, instead: Sequence[Event] = ()) -> Cause | None:
 
 
 def _why_other_error(run: Run, groups: Sequence[Followed]) -> Cause | None:
-    """
-    Explain an ERROR line after a proper reading; return None if only its level is wrong.
-
-    :param groups: readings that should not cause an ERROR line
-    """
+    """Explain an ERROR line after a proper reading; return None if only its level is wrong."""
     found = [(group, line) for group in groups for line in group.logs if line['level'] == ERROR]
     if not found or (why := why_exception_logged(run, [found[0][1]])):
         return why if found else None

@@ -140,11 +140,7 @@ def made_run(
 
 
 def of_monitor(name: str, readings: Sequence[Reading]) -> tuple[Slip, list[int]]:
-    """
-    Return the first slip with a given name that the readings reveal, and its answers.
-
-    :raises ExamInvalid: if there is no such slip
-    """
+    """Return the first slip with a given name that the readings reveal, and its answers."""
     due = list(DUE(readings))
     for slip in (*OF_A_MONITOR, LATE):
         for rule in slip.rules if slip.cause_id == name else ():

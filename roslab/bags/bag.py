@@ -1,14 +1,38 @@
-"""Describe a bag as ``ros2 bag info`` and ``metadata.yaml`` do."""
+"""
+Describe a bag as ``ros2 bag info`` and ``metadata.yaml`` do.
 
-from collections.abc import Sequence
+Quality of service is stored as YAML, one profile per publisher.
+"""
+
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from rclpy.duration import Duration
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
+import yaml
+
 _NS = 10**9
 _VERSION = 9
 """Version of metadata.yaml that ROS 2 Jazzy writes."""
+_POLICIES = {
+    'reliability': ReliabilityPolicy,
+    'durability': DurabilityPolicy,
+    'liveliness': LivelinessPolicy,
+}
+_PERIODS = ('deadline', 'lifespan', 'liveliness_lease_duration')
+_ENDLESS_S = 2**31 - 1
+"""Periods of this length or longer mean no limit; older ROS 2 releases stored exactly this."""
+_DEPTH = 10
+"""Depth for publishers whose depth is unknown, because the network does not announce it."""
 
 
 @dataclass(frozen=True)
@@ -16,10 +40,8 @@ class BagTopic:
     """
     A recorded topic.
 
-    :param type: such as ``std_msgs/msg/String``
-    :param profiles: quality of service of its publishers, see :mod:`roslab.bags.qos`
+    :param profiles: quality of service of its publishers, see :func:`plain_profiles`
     :param hash: hash of the type, '' if unknown
-    :param count: number of messages
     """
 
     name: str
@@ -35,8 +57,6 @@ class Bag:
     The summary of a bag.
 
     :param path: the file, or the folder that ``ros2 bag record`` has written
-    :param files: its MCAP files, oldest first
-    :param topics: sorted by name
     :param start_ns: when the first message was received [ns since 1970]
     :param end_ns: when the last message was received [ns since 1970]
     :param distro: ROS 2 release of the recorder, '' if unknown
@@ -125,3 +145,70 @@ def _moment(nanoseconds: int) -> str:
     there = datetime.fromtimestamp(nanoseconds // _NS)
     date = f'{there:%b} {there.day:2} {there:%Y %H:%M:%S}.{nanoseconds % _NS:09}'
     return f'{date} ({_seconds(nanoseconds)})'
+
+
+def plain_profiles(profiles: Iterable[QoSProfile]) -> list[dict[str, Any]]:
+    """Return profiles as plain values for YAML, in the order that ``ros2 bag`` uses."""
+    return [
+        {
+            'history': qos.history.short_key,
+            'depth': qos.depth,
+            'reliability': qos.reliability.short_key,
+            'durability': qos.durability.short_key,
+            'deadline': _parts(qos.deadline),
+            'lifespan': _parts(qos.lifespan),
+            'liveliness': qos.liveliness.short_key,
+            'liveliness_lease_duration': _parts(qos.liveliness_lease_duration),
+            'avoid_ros_namespace_conventions': False,
+        }
+        for qos in profiles
+    ]
+
+
+def profile_to_offer(stored: list[dict[str, Any]]) -> QoSProfile:
+    """
+    Return the profile with which a recorded topic is published again.
+
+    :param stored: plain values from :func:`plain_profiles`, or from another recorder
+    :returns: the recorded profile, or rclpy's default if the publishers offered different ones
+    :raises ValueError: if a value is unknown
+    """
+    if not stored or any(one != stored[0] for one in stored):
+        return QoSProfile(depth=_DEPTH)
+    values = stored[0]
+    try:
+        history = _policy(HistoryPolicy, values['history'])
+        known = history in (HistoryPolicy.KEEP_LAST, HistoryPolicy.KEEP_ALL)
+        return QoSProfile(
+            history=history if known else HistoryPolicy.KEEP_LAST,
+            depth=values['depth'] or _DEPTH,
+            **{name: _policy(kind, values[name]) for name, kind in _POLICIES.items()},
+            **{
+                name: Duration(nanoseconds=values[name]['sec'] * _NS + values[name]['nsec'])
+                for name in _PERIODS
+                if values[name]['sec'] < _ENDLESS_S
+            },
+        )
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f'unknown quality of service: {error}') from None
+
+
+def read_profiles(text: str) -> list[dict[str, Any]]:
+    """Return the profiles in YAML text, which may be empty; ValueError if it is not a list."""
+    try:
+        stored = yaml.safe_load(text) or []
+    except yaml.YAMLError as error:
+        raise ValueError(f'the stored QoS profiles are not valid YAML: {error}') from None
+    if not isinstance(stored, list):
+        raise ValueError('the stored QoS profiles are not a list')
+    return stored
+
+
+def _parts(period: Duration) -> dict[str, int]:
+    seconds, nanoseconds = divmod(period.nanoseconds, _NS)
+    return {'sec': seconds, 'nsec': nanoseconds}
+
+
+def _policy(kind: Any, value: str | int) -> Any:
+    """Return a policy from its name, or from its number, which releases before Jazzy stored."""
+    return kind(value) if isinstance(value, int) else kind.get_from_short_key(value)

@@ -8,8 +8,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import qos_check_compatible, QoSCompatibility, ReliabilityPolicy
 
-from roslab.bags.bag import Bag, BagTopic
-from roslab.bags.qos import profile_to_offer
+from roslab.bags.bag import Bag, BagTopic, profile_to_offer
 from roslab.bags.reader import BagError, messages_of
 from roslab.ros2.interface import hash_of, interface_class
 

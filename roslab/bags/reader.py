@@ -12,8 +12,7 @@ from mcap.reader import SeekingReader
 from mcap.summary import Summary
 import yaml
 
-from roslab.bags.bag import Bag, BagTopic
-from roslab.bags.qos import read_profiles
+from roslab.bags.bag import Bag, BagTopic, read_profiles
 from roslab.errors import RoslabError
 
 _MAGIC = b'\x89MCAP0\r\n'
@@ -25,12 +24,7 @@ class BagError(RoslabError, RuntimeError):
 
 
 class BagMessage(NamedTuple):
-    """
-    A recorded message.
-
-    :param topic: full name
-    :param received_ns: when the recorder received it [ns since 1970]
-    """
+    """A recorded message, with the time of its arrival [ns since 1970]."""
 
     topic: str
     received_ns: int
@@ -38,11 +32,7 @@ class BagMessage(NamedTuple):
 
 
 def open_bag(path: Path) -> Bag:
-    """
-    Return the summary of a bag.
-
-    :raises BagError: if there is no bag, or the bag is damaged or does not contain ROS 2 messages
-    """
+    """Return the summary of a bag; BagError if it is missing, damaged or not of ROS 2."""
     files = _files_in(path) if path.is_dir() else (path,)
     topics: dict[str, BagTopic] = {}
     counts: Counter[str] = Counter()
@@ -66,11 +56,7 @@ def open_bag(path: Path) -> Bag:
 
 
 def messages_of(bag: Bag) -> Iterator[BagMessage]:
-    """
-    Yield the messages in the order in which they were received.
-
-    :raises BagError: if part of a file is damaged
-    """
+    """Yield the messages in the order of their arrival; BagError if part of a file is damaged."""
     for file in bag.files:
         with _reading(file) as reader:
             for _, channel, message in reader.iter_messages():

@@ -1,28 +1,40 @@
-"""Write messages to an MCAP file that Foxglove, PlotJuggler and ``ros2 bag`` can open."""
+"""
+Write an MCAP file that Foxglove, PlotJuggler and ``ros2 bag`` can open.
+
+A recorder writes the messages of live topics as bytes, as the publisher serialised them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import deque
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 import os
 from pathlib import Path
+import time
 from typing import Any, TYPE_CHECKING
 
 from mcap.writer import CompressionType, Writer
 from rcl_interfaces.msg import Log
+from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
+from rclpy.subscription import Subscription
+from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
 
-from roslab.bags.bag import Bag, BagTopic
-from roslab.bags.qos import plain_profiles
+from roslab.bags.bag import Bag, BagTopic, plain_profiles
 from roslab.cli_text import to_yaml
 from roslab.errors import RoslabError
-from roslab.ros2.interface import definition_of, hash_of
+from roslab.ros2.graph import qos_for_publishers
+from roslab.ros2.interface import definition_of, hash_of, interface_class
 
 if TYPE_CHECKING:
     from autograder.simulated import LogRecord, Simulation
 
 DISTRO = 'jazzy'
+_DEPTH = 1000
+"""How many messages may wait for the next callback, so that a burst is not lost."""
 
 
 class BagWriter:
@@ -55,12 +67,7 @@ class BagWriter:
         return sum(self._counts.values())
 
     def add_topic(self, name: str, type_name: str, profiles: Iterable[QoSProfile] = ()) -> None:
-        """
-        Add a topic; it may remain without messages.
-
-        :param profiles: QoS that its publishers offer
-        :raises LookupError: if the type is not installed
-        """
+        """Add a topic, which may get no messages; LookupError if its type is not installed."""
         made = BagTopic(name, type_name, plain_profiles(profiles), hash_of(type_name), 0)
         definition = definition_of(type_name).encode()
         schema = self._mcap.register_schema(type_name, 'ros2msg', definition)
@@ -108,6 +115,68 @@ class BagWriter:
             self._unfinished.unlink(missing_ok=True)
 
 
+class Recorder:
+    """
+    Records topics as soon as they have a publisher.
+
+    Callbacks only store messages, because they may run in another thread; :meth:`drain` writes.
+
+    :param node: a node that something else spins
+    :param tell: called with the name of each topic to which the recorder subscribes
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        writer: BagWriter,
+        topics: Iterable[str] = (),
+        tell: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self.node = node
+        self.heard: deque[tuple[str, bytes, int, int]] = deque()
+        self.subscriptions: dict[str, Subscription] = {}
+        self.refused: dict[str, str] = {}
+        self._writer = writer
+        self._topics = set(topics)
+        self._tell = tell
+
+    def look(self) -> None:
+        """Subscribe to topics that have gained a publisher since the last check."""
+        for name, types in self.node.get_topic_names_and_types():
+            if name in self.subscriptions or name in self.refused:
+                continue
+            asked = name in self._topics if self._topics else not topic_or_service_is_hidden(name)
+            if asked and self.node.count_publishers(name):
+                self._subscribe(name, types)
+
+    def _subscribe(self, name: str, types: list[str]) -> None:
+        if len(types) > 1:
+            self.refused[name] = f'{name} has several types, {" and ".join(types)}.'
+            return
+        offered = [one.qos_profile for one in self.node.get_publishers_info_by_topic(name)]
+        qos = qos_for_publishers(self.node, name, _DEPTH)
+        try:
+            kind = interface_class(types[0])
+            self._writer.add_topic(name, types[0], offered)
+        except LookupError:
+            self.refused[name] = f'The type of {name}, {types[0]}, is not installed here.'
+            return
+        self.subscriptions[name] = self.node.create_subscription(
+            kind, name, partial(_store, self.heard, name), qos, raw=True
+        )
+        self._tell(name)
+
+    def drain(self) -> None:
+        """Write the messages that have arrived."""
+        while self.heard:
+            self._writer.write(*self.heard.popleft())
+
+
+def _store(heard: deque[tuple[str, bytes, int, int]], name: str, data: bytes, about: Any) -> None:
+    received_ns = about['received_timestamp'] or time.time_ns()
+    heard.append((name, data, received_ns, about['source_timestamp'] or received_ns))
+
+
 def write_simulation(run: Simulation, writer: BagWriter) -> None:
     """
     Write the messages and log lines of a simulation, and the inputs that were sent to it.
@@ -128,14 +197,14 @@ def write_simulation(run: Simulation, writer: BagWriter) -> None:
         if None in messages:
             raise RoslabError(f'{name}: the simulation does not keep messages of more than 64 KB.')
         types[name] = record.type
-        rows += [(time, name, message) for time, message in zip(record.times, messages)]
+        rows += [(time_s, name, message) for time_s, message in zip(record.times, messages)]
     if run.logs:
         types['/rosout'] = 'rcl_interfaces/msg/Log'
         rows += [(line.time_s, '/rosout', _log(line)) for line in run.logs]
     for name, kind in types.items():
         writer.add_topic(name, kind)
-    for time, name, message in sorted(rows, key=lambda row: row[0]):
-        when = round(time * 10**9)
+    for time_s, name, message in sorted(rows, key=lambda row: row[0]):
+        when = round(time_s * 10**9)
         writer.write(name, serialize_message(message), when, when)
 
 

@@ -14,15 +14,13 @@ from rclpy.node import Node
 from roslab.bags.bag import Bag
 from roslab.bags.player import CONNECT_S, Player
 from roslab.bags.reader import open_bag
-from roslab.bags.recorder import Recorder
-from roslab.bags.writer import BagWriter
+from roslab.bags.writer import BagWriter, Recorder
 from roslab.cli_text import to_yaml
 from roslab.ros2.cli import flag, option, positive_float, verb
 from roslab.ros2.discovery import ros_node, wait_for, wait_for_graph
 
 _LOOK_S = 0.1
 """Time between two checks for new topics, as ``--polling-interval`` of the real command [s]."""
-
 
 _PATH = option('bag_path', type=Path, help='Bag to open: a folder or an .mcap file')
 _STORAGE = option('-s', '--storage', choices=['mcap'], help='storage format (only mcap)')

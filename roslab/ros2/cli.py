@@ -3,6 +3,7 @@ Parse the command line of ``ros2``, run the verb and report its result.
 
 :func:`verb` adds a function and its options to the table of verbs.  The function gets the parsed
 arguments and prints its result; its RuntimeError becomes one line on stderr and exit code 1.
+``ros2 daemon`` only reports that this command has none.
 """
 
 import argparse
@@ -42,16 +43,19 @@ GROUPS = {
     'run': 'Run a package specific executable',
     'topic': 'Various topic related sub-commands',
 }
-MODULES = {
-    'pkg': ('pkg', 'pkg_create'),
+MODULES: dict[str, tuple[str, ...]] = {
+    'daemon': (),
+    'node': ('topic',),
     'run': ('pkg',),
-    'topic': ('topic', 'topic_echo', 'topic_pub', 'topic_rate'),
+    'topic': ('topic', 'topic_echo', 'topic_pub'),
 }
 """Modules of the groups whose verbs are not in a single module with the group's name."""
 ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security', 'service')
 """Commands that only a full installation has, to distinguish them from typing mistakes."""
 SHUT_DOWN = ('the given context is not valid', "rcl node's context is invalid")
 """Parts of rcl's errors after Ctrl-C or SIGTERM; nothing else shuts a context down early."""
+
+_NO_DAEMON = 'this ros2 has none; each command discovers the graph itself'
 
 _verbs: dict[str, tuple[Run, Sequence[Option]]] = {}
 """The verbs of the imported modules by name, such as ``topic list``."""
@@ -80,6 +84,24 @@ def flag(*names_and_words: str, exclusive: bool = False) -> Option:
     """Return an option without a value; the last argument is its help text."""
     *names, words = names_and_words
     return option(*names, exclusive=exclusive, action='store_true', help=words)
+
+
+@verb('daemon status')
+def daemon_status(_: argparse.Namespace) -> None:
+    """Output the status of the daemon."""
+    print(f'The daemon is not running: {_NO_DAEMON}')
+
+
+@verb('daemon stop')
+def daemon_stop(args: argparse.Namespace) -> None:
+    """Stop the daemon if it is running."""
+    daemon_status(args)
+
+
+@verb('daemon start')
+def daemon_start(_: argparse.Namespace) -> None:
+    """Start the daemon if it is not running."""
+    raise RuntimeError(f'The daemon cannot be started: {_NO_DAEMON}')
 
 
 def positive_float(text: str) -> float:

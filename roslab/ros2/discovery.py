@@ -51,7 +51,6 @@ LOOK_S = 0.01
 Known = Callable[[Node], object]
 """A function that returns whether a node's graph contains the entity of a command."""
 
-
 NODE = (
     option(
         '--spin-time',
@@ -97,12 +96,7 @@ def ros_node(args: argparse.Namespace | None, name: str | None = None) -> Iterat
 
 @contextmanager
 def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterator[Node]:
-    """
-    Provide a node that has discovered the graph.
-
-    :param known: returns whether the graph contains the entity that the command needs;
-        :func:`wait_for_graph` limits the wait
-    """
+    """Provide a node that has discovered the graph and, if it exists, what ``known`` tests for."""
     looks = (args.spin_time, *AGAIN_S, *([LIMIT_S] if known else []))
     for number, alone_s in enumerate(looks, 1):
         with ros_node(args) as node:
@@ -158,11 +152,7 @@ def _nameless(node: Node) -> bool:
 
 
 def wait_for(node: Node, condition: Callable[[], bool], limit_s: float = LIMIT_S) -> bool:
-    """
-    Spin until a condition holds.
-
-    :returns: False if the condition does not hold within ``limit_s`` [s]
-    """
+    """Spin until a condition holds; return False if it does not hold within ``limit_s`` [s]."""
     deadline = time.monotonic() + limit_s
     while not condition():
         if time.monotonic() > deadline:
@@ -178,7 +168,6 @@ def asking(
     """
     Provide a node that has discovered the graph, and the full name of the command's target node.
 
-    :param known: returns whether the graph contains the target node
     :raises RuntimeError: if the graph does not contain the target node
     """
     name = args.node_name if args.node_name.startswith('/') else f'/{args.node_name}'

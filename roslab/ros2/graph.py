@@ -27,11 +27,7 @@ Named = list[tuple[str, list[str]]]
 
 
 def is_hidden(name: str) -> bool:
-    """
-    Return whether ROS tools hide a name because one of its parts begins with an underscore.
-
-    :param name: full name of a topic, a service or a node
-    """
+    """Return whether ROS tools hide a full name because a part of it begins with an underscore."""
     return '/_' in name
 
 
@@ -41,11 +37,7 @@ def full_name(name: str, namespace: str) -> str:
 
 
 def node_names(node: Node, *, hidden: bool) -> list[str]:
-    """
-    Return the full names of all nodes, sorted; a name that two nodes share is listed twice.
-
-    :param hidden: include names that begin with an underscore
-    """
+    """Return the full names of all nodes, sorted; a name that two nodes share is listed twice."""
     return sorted(
         full_name(name, namespace)
         for name, namespace in node.get_node_names_and_namespaces()
@@ -87,11 +79,7 @@ def service_types(node: Node, name: str) -> list[str]:
 
 
 def entities_of(node: Node, name: str, *, hidden: bool = False) -> dict[str, Named]:
-    """
-    Return the entities of a node, by section of ``ros2 node info``.
-
-    :param hidden: include names with a part that begins with an underscore
-    """
+    """Return the entities of a node, by section of ``ros2 node info``."""
     namespace, _, base = name.rpartition('/')
     who = (base, namespace or '/')
     servers = node.get_service_names_and_types_by_node(*who)
@@ -156,11 +144,7 @@ def qos_for_publishers(
 
 
 def named_class(name: str) -> Any:
-    """
-    Return the message class with a given type name.
-
-    :raises RuntimeError: if there is no such class
-    """
+    """Return the message class with a type name; RuntimeError if there is no such class."""
     try:
         return interface_class(name)
     except LookupError:
@@ -171,7 +155,6 @@ def class_of_topic(node: Node, topic: str, *, wait: bool = False) -> Any | None:
     """
     Return the message class of a topic; print a warning if the topic has no endpoint.
 
-    :param wait: whether to wait until the topic is discovered
     :returns: None if the graph does not contain the topic
     :raises RuntimeError: see :func:`known_class`
     """

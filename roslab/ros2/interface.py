@@ -30,12 +30,7 @@ def packages_with_interfaces() -> list[str]:
 
 
 def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
-    """
-    Return the interfaces of a package, such as msg/String, sorted.
-
-    :param kinds: which of msg, srv and action to include
-    :raises InterfaceError: if the package does not exist or has no interfaces
-    """
+    """Return the sorted interfaces of a package, such as msg/String; InterfaceError for none."""
     try:
         text, _ = get_resource('rosidl_interfaces', package)
     except LookupError:
@@ -52,11 +47,7 @@ def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
 
 
 def interface_file(name: str) -> Path:
-    """
-    Return the path of the file that defines an interface.
-
-    :raises InterfaceError: if the name is malformed, or there is no such package or interface
-    """
+    """Return the file that defines an interface; InterfaceError if the name has none."""
     parts = name.split('/')
     if len(parts) != 3 or not all(parts):
         raise InterfaceError(f"Invalid name '{name}'. Expected three parts separated by '/'")
@@ -71,17 +62,16 @@ def interface_file(name: str) -> Path:
     return path
 
 
-def interface_class(name: str, kind: str = 'msg') -> Any:
+def interface_class(name: str) -> Any:
     """
     Return the Python class of an interface.
 
     :param name: name of the interface, such as std_msgs/msg/String or std_msgs/String
-    :param kind: the middle part to use if the name has only two parts
     :raises InterfaceError: if the name is malformed or the class cannot be imported
     """
     parts = name.split('/')
     if len(parts) == 2:
-        parts.insert(1, kind)
+        parts.insert(1, 'msg')
     if len(parts) != 3 or not all(parts):
         raise InterfaceError(f"'{name}' is not an interface name such as std_msgs/msg/String")
     try:
@@ -139,7 +129,6 @@ def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterato
     """
     Yield the lines of a definition; a nested definition follows its field, one tab deeper.
 
-    :param name: name of the interface, such as std_msgs/msg/Header
     :param comments: 'all' or 'none': keep or drop comments and empty lines
     :param nested: the same for nested definitions
     :raises InterfaceError: if there is no such interface
@@ -154,11 +143,7 @@ def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterato
 
 
 def parts_of(name: str) -> Iterator[str]:
-    """
-    Yield the full names of the message types in the fields of an interface.
-
-    :raises InterfaceError: if there is no such interface
-    """
+    """Yield the full names of the message types in the fields of an interface."""
     for line in interface_file(name).read_text(encoding='utf-8').splitlines():
         if part := _part(_without_comment(line), name.split('/')[0]):
             yield part
@@ -183,11 +168,7 @@ def _part(line: str, package_name: str) -> str:
 
 
 def definition_of(name: str) -> str:
-    """
-    Return the definition of a message type, followed by the definitions of all its parts.
-
-    :raises LookupError: if a package or a type is not installed
-    """
+    """Return the definition of a message type and its parts; LookupError if one is missing."""
     texts: dict[str, str] = {}
     waiting = [name]
     while waiting:

@@ -32,11 +32,7 @@ _SHARE = re.compile(r'\$\(find-pkg-share ([a-z][a-z0-9_]*)\)')
 
 
 class Start(NamedTuple):
-    """
-    A program that a launch file starts.
-
-    :param screen: whether to show the text that the program prints
-    """
+    """A program that a launch file starts; ``screen`` says whether to show the text it prints."""
 
     name: str
     command: tuple[str, ...]
@@ -67,11 +63,7 @@ def launch(args: argparse.Namespace) -> None:
 
 
 def find(package: str, name: str | None) -> Path:
-    """
-    Return the path of a launch file, given as a file of an installed package or as a path.
-
-    :raises RuntimeError: if there is no such file
-    """
+    """Return a launch file, by path or by package and name; RuntimeError if it is missing."""
     if name is None:
         if Path(package).is_file():
             return Path(package)

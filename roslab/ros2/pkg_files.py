@@ -11,7 +11,6 @@ class NewPackage:
 
     :param format: format of the manifest, 2 or 3
     :param build_type: ament_cmake or ament_python
-    :param dependencies: names of the packages that the package depends on
     :param node: name of the executable to create, '' for none
     """
 

@@ -35,10 +35,7 @@ def call(node: Node, kind: Any, name: str, limit_s: float = ANSWER_S, **request:
     """
     Call a service and return its response.
 
-    :param kind: class of the service
-    :param name: full name of the service
     :param limit_s: how long to wait for the service to appear, and then for its response [s]
-    :param request: fields of the request
     :raises NoAnswer: if the service is missing or does not respond
     """
     client = node.create_client(kind, name)

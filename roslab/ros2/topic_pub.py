@@ -141,11 +141,7 @@ def _publish(
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """
-    Parse YAML text into a dictionary of values.
-
-    :raises RuntimeError: if the text is not YAML, or not a mapping
-    """
+    """Parse YAML text into a dictionary; RuntimeError if it is not YAML, or not a mapping."""
     try:
         values = yaml.safe_load(text)
     except yaml.YAMLError as error:
@@ -161,7 +157,6 @@ def fill(message: Any, values: Mapping[str, Any], now: Any = None) -> None:
     """
     Set fields of a message from a dictionary.
 
-    :param message: the message to change
     :param values: values by field name; a nested message is a nested mapping
     :param now: the current time as a message, for ``stamp: now`` and ``header: auto``
     :raises AttributeError: if a field does not exist

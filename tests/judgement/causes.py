@@ -15,7 +15,7 @@ import sys
 from typing import Any
 
 from autograder.exam import catalog, words
-from autograder.exam.names import Names
+from autograder.exam.scenario import Names
 from autograder.judging.causes.text_table import FOLDER, rows_of
 from autograder.layout import Layout
 from tests.judgement.stored_results import load, table, write_or_compare

@@ -8,7 +8,7 @@ import pytest
 
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confinement import Limits, Program
-from autograder.sandboxes.probes import start_probe
+from autograder.sandboxes.forked import start_probe
 
 pytestmark = [pytest.mark.pipeline]
 

@@ -18,7 +18,7 @@ from autograder.results import ExamResult
 from autograder.runs import observe
 from autograder.sandboxes import forked
 from autograder.sandboxes.choose import strongest
-from autograder.sandboxes.probes import Probe, start_probe
+from autograder.sandboxes.forked import Probe, start_probe
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros]
 

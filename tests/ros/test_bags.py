@@ -28,7 +28,7 @@ from autograder.simulated import LogRecord, Simulation, TopicRecord
 from environment.ros import ros_environment
 from environment.ros2_command import overlaid
 from roslab.bags import player, writer
-from roslab.bags.qos import plain_profiles, profile_to_offer
+from roslab.bags.bag import plain_profiles, profile_to_offer
 from roslab.bags.reader import BagError, messages_of, open_bag
 from roslab.cli_text import message_dict
 from roslab.errors import RoslabError

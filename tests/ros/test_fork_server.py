@@ -18,8 +18,13 @@ from autograder.sandboxes import fork_server
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confinement import ConfinedProgram, Limits, Program
 from autograder.sandboxes.fork_server import ForkServer
-from autograder.sandboxes.forked import INSIDE, start_program, STUDENT
-from autograder.sandboxes.probes import loaded_probe, start_probe
+from autograder.sandboxes.forked import (
+    INSIDE,
+    loaded_probe,
+    start_probe,
+    start_program,
+    STUDENT,
+)
 from autograder.sandboxes.sandbox import Sandbox
 
 pytestmark = [pytest.mark.ros]
@@ -81,7 +86,7 @@ def test_a_fork_server_that_ends_during_a_run_makes_no_verdict(tmp_path, monkeyp
     os.killpg(found.process.pid, signal.SIGKILL)
     found.process.wait()
     assert found.channel.recv(1) == b''  # the server itself ends shortly after its launcher
-    monkeypatch.setattr('autograder.sandboxes.probes.free_servers', lambda *_: [found])
+    monkeypatch.setattr('autograder.sandboxes.forked.free_servers', lambda *_: [found])
     student = sandbox.start(Program(('sleep', 'infinity')), Limits(), tmp_path)
     try:
         with pytest.raises(ProbeFailed, match='The fork server'):

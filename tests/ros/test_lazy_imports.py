@@ -11,7 +11,7 @@ from autograder.sandboxes.sandbox import HERE
 pytestmark = [pytest.mark.ros]
 
 PREPARED = f'import sys\nsys.path.insert(0, {str(Path(HERE, "inside"))!r})\n'
-PREPARED += 'from lazy_imports import use_lazy_imports\nuse_lazy_imports()\n'
+PREPARED += 'from rclpy_patches import use_lazy_imports\nuse_lazy_imports()\n'
 
 
 def said(program: str) -> str:

@@ -20,8 +20,8 @@ from roslab.graph_picture import graph
 from roslab.introspection import echo, hz, info, topics
 from roslab.listening import Listener
 from roslab.live_plot import Plot
+from roslab.session import wait_in
 from roslab.timeline_picture import timeline
-from roslab.waiting import wait_in
 
 pytestmark = pytest.mark.ros
 

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from roslab import lifecycle_picture
 from roslab.errors import NotHereError, RoslabError
 from roslab.lifecycle_picture import lifecycle, LifecyclePicture
-from roslab.waiting import wait_until
+from roslab.session import wait_until
 
 pytestmark = pytest.mark.ros
 

@@ -20,8 +20,7 @@ from roslab.errors import NotHereError, RoslabError
 from roslab.executor import BackgroundExecutor, CallbackStopped
 from roslab.listening import Listener
 from roslab.logtable import logs
-from roslab.session import HELPER_NAME
-from roslab.waiting import wait_until
+from roslab.session import HELPER_NAME, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -83,7 +82,6 @@ def test_started_node_publishes_while_the_test_waits(session):
     assert heard.last in heard.messages
 
 
-@pytest.mark.claim('J5')
 def test_node_started_again_replaces_the_older_one_without_a_warning(session, capfd):
     """Running a cell twice leaves one node, and the middleware prints no warning."""
     first = session.start(Talker)
@@ -98,7 +96,6 @@ def test_node_started_again_replaces_the_older_one_without_a_warning(session, ca
     assert err == ''
 
 
-@pytest.mark.claim('J6')
 def test_running_node_keeps_its_class_until_it_is_started_again(session):
     classes = [type('Greeter', (Node,), {'word': word}) for word in ('hello', 'bye')]
     old, new = (session.start(lambda made=made: made('greeter')) for made in classes)

@@ -1,6 +1,11 @@
-"""Sources of submissions in each platform's form, and the resulting files in ``submitted/``."""
+"""
+Sources of submissions in each platform's form, and the resulting files in ``submitted/``.
+
+Other tests use ``laid``, which writes files, and ``configure``, which writes nbgrader's settings.
+"""
 
 from functools import partial
+from itertools import count
 import json
 from pathlib import Path
 import zipfile
@@ -48,6 +53,32 @@ def layout(tmp_path) -> Layout:
     return course
 
 
+@pytest.fixture
+def here(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> Layout:
+    """Return the course, which commands use."""
+    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+    return layout
+
+
+@pytest.fixture
+def gather(tmp_path: Path, layout: Layout):
+    """Return a function that puts files into a new folder or zip, and collects them."""
+    numbers = count()
+
+    def gathered(files, how=laid, **options):
+        source = how(tmp_path / f'source-{next(numbers)}', files)
+        return collect(source, layout, layout.submitted, **options)
+
+    return gathered
+
+
+def configure(folder: Path, url: str, text: str = '') -> Layout:
+    """Write nbgrader's settings for a course, with the address of its gradebook; return it."""
+    settings = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n{text}'
+    (folder / 'nbgrader_config.py').write_text(settings, encoding='utf-8')
+    return Layout(folder)
+
+
 def packed(path: Path, files: dict[str, bytes]) -> Path:
     with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
@@ -78,6 +109,10 @@ def taken(layout: Layout) -> dict[str, bytes]:
 
 def table(rows) -> dict[tuple[str, str], str]:
     return {(row.student, row.place): row.done for row in rows}
+
+
+def done(rows) -> list[tuple[str, str, str]]:
+    return sorted((row.student, row.assignment, row.done) for row in rows)
 
 
 def kind(source: Path) -> str:
@@ -149,3 +184,14 @@ REPOSITORIES = {
     'talk-cho/.git/HEAD': b'ref',
     'talk-cho/README.md': b'nothing yet',
 }
+every_kind = pytest.mark.parametrize(
+    ('files', 'expected'),
+    [
+        (CANVAS, 'canvas'),
+        (MOODLE, 'moodle'),
+        (GRADESCOPE, 'gradescope'),
+        (EXCHANGE, 'exchange'),
+        (REPOSITORIES, 'folder'),
+    ],
+    ids=['canvas', 'moodle', 'gradescope', 'exchange', 'repositories'],
+)

@@ -1,6 +1,7 @@
 """Multiple-choice questions: the letter of an ``%%answer`` cell, and the exam that reads it."""
 
 from itertools import pairwise
+from pathlib import Path
 import re
 
 import pytest
@@ -37,7 +38,6 @@ STUB = "None  # YOUR CODE HERE: 'a', 'b', 'c' or 'd' in place of None\n"
     ],
 )
 def test_letter_is_read_however_it_is_written(body):
-    """Quotes, capitals, blanks and comments around the letter are ignored."""
     assert chosen_letter(body) == 'b'
 
 
@@ -80,7 +80,6 @@ def test_anything_else_is_refused_with_a_printable_reason(body, reason):
 
 
 def test_code_in_an_answer_is_never_executed(tmp_path):
-    """The grader does not execute an answer, even if the result would be a letter."""
     trace = tmp_path / 'trace'
     for body in (f"open('{trace}', 'w') and 'b'", f"__import__('os').system('touch {trace}')"):
         with pytest.raises(NotALetterError):
@@ -90,26 +89,24 @@ def test_code_in_an_answer_is_never_executed(tmp_path):
 
 class TestMagic:
     @pytest.fixture(autouse=True)
-    def folder(self, tmp_path, monkeypatch):
-        """Work in an empty folder and return it."""
+    def work_in_an_empty_folder(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
-        return tmp_path
 
-    def saved(self, folder):
-        return [path.read_text() for path in folder.rglob('answers/q07.txt')]
+    def saved(self):
+        return [path.read_text() for path in Path().rglob('answers/q07.txt')]
 
-    def test_answer_is_saved_and_said(self, folder, capsys):
+    def test_answer_is_saved_and_said(self, capsys):
         run_cell('answer', 'q07', '"B"  # sure\n', {})
 
         assert capsys.readouterr() == ('Saved your answer to q07: b\n', '')
-        assert self.saved(folder) == ['"B"  # sure\n']
+        assert self.saved() == ['"B"  # sure\n']
 
-    def test_stub_is_not_written_yet(self, folder):
+    def test_stub_is_not_written_yet(self):
         with pytest.raises(NotImplementedError, match='%%answer q07 is not written yet') as caught:
             run_cell('answer', 'q07', STUB, {})
 
         assert caught.value._render_traceback_() == [f'NotImplementedError: {caught.value}']
-        assert self.saved(folder) == [STUB]
+        assert self.saved() == [STUB]
 
     @pytest.mark.parametrize(
         ('body', 'said'),
@@ -118,13 +115,13 @@ class TestMagic:
             ("'e'\n", "expected 'a', 'b', 'c' or 'd', got 'e'. Write one letter."),
         ],
     )
-    def test_no_letter_is_refused_and_replaces_the_older_answer(self, folder, body, said):
+    def test_no_letter_is_refused_and_replaces_the_older_answer(self, body, said):
         """The file gets the cell's content, so that the earlier letter is not checked."""
         run_cell('answer', 'q07', "'a'\n", {})
         with pytest.raises(AnswerRefusedError, match=re.escape(said)):
             run_cell('answer', 'q07', body, {})
 
-        assert self.saved(folder) == [body]
+        assert self.saved() == [body]
 
 
 def answers(**letters):
@@ -143,7 +140,6 @@ RIGHT = {name: entry['right'] for name, entry in key().items()}
 
 
 def test_visible_check_looks_at_the_form_only():
-    """A visible check gives the same result for correct and for wrong letters."""
     right, wrong = (results(answers(**letters), hidden=False) for letters in (RIGHT, {}))
 
     assert right == wrong
@@ -151,8 +147,7 @@ def test_visible_check_looks_at_the_form_only():
 
 
 def test_visible_check_names_the_questions_without_a_letter():
-    files = {path_of('q01'): "'a'\n", path_of('q02'): 'b\n'}
-    (one,) = results(files, hidden=False).values()
+    (one,) = results({path_of('q01'): "'a'\n", path_of('q02'): 'b\n'}, hidden=False).values()
 
     assert one.verdict is Verdict.FAILED
     assert one.observed == (
@@ -161,7 +156,6 @@ def test_visible_check_names_the_questions_without_a_letter():
 
 
 def test_each_question_counts_for_itself():
-    """A wrong letter and a missing file cost one point each."""
     files = answers(**{**RIGHT, 'q22': 'c'})
     del files[path_of('q03')]
     found = results(files, hidden=True)
@@ -172,7 +166,6 @@ def test_each_question_counts_for_itself():
 
 @pytest.mark.parametrize('letter', 'abcd')
 def test_wrong_answer_is_explained_without_the_right_letter(letter):
-    """The misconception and the section to read are shown, and no letter is named."""
     found = results(answers(**dict.fromkeys(QUESTIONS, letter)), hidden=True)
     for name, one in found.items():
         assert (one.verdict is Verdict.PASSED) == (RIGHT[name] == letter)
@@ -183,12 +176,10 @@ def test_wrong_answer_is_explained_without_the_right_letter(letter):
 
 
 def test_blind_guessing_does_not_pay():
-    """Each letter is correct equally often."""
     assert sorted(list(RIGHT.values()).count(letter) for letter in 'abcd') == [6, 6, 6, 6]
 
 
 def test_key_stays_with_the_instructor():
-    """The students' copy has neither the answer key nor any of its sentences."""
     layout = Layout.here()
     names = bundled_files(layout)
     texts = [path.read_text(encoding='utf-8', errors='replace') for path in names.values()]
@@ -200,7 +191,6 @@ def test_key_stays_with_the_instructor():
 
 
 def test_release_asks_every_question_with_four_options():
-    """An answer cell follows each question, and its stub shows the four letters."""
     cells = read_release(Layout.here().release('09_check_your_understanding'))['cells']
     asked = {}
     for text, cell in pairwise(cells):

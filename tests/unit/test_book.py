@@ -17,7 +17,6 @@ PICTURE = {'text/plain': 'a graph', 'text/html': '<svg/>'}
 
 
 def lesson(*cells):
-    """Return a notebook with these cells."""
     metadata = {'language_info': {'name': 'python'}}
     return new_notebook(cells=list(cells), metadata=metadata)
 
@@ -31,7 +30,6 @@ def made(*outputs, source='show()', **marks):
 
 
 def test_pages_can_be_written_again(tmp_path, monkeypatch):
-    """A second run replaces the pages of the first."""
     layout = Layout(tmp_path)
     monkeypatch.setattr(pages, 'executed', lambda path, config: nbformat.read(path, as_version=4))
     for folder in (layout.solutions, layout.notebooks):
@@ -57,7 +55,6 @@ def test_demonstration_has_its_picture():
 
 
 def test_line_that_was_cleared_is_left_out():
-    """A seconds counter that a cell cleared is not on the page."""
     (cell,) = made(new_output('display_data', {'text/plain': ''}), new_output('stream', text='a'))
 
     assert [one.output_type for one in cell.outputs] == ['stream']

@@ -4,6 +4,7 @@ import re
 import sys
 from types import ModuleType
 
+from collect_sources import laid
 import pytest
 
 from autograder import __main__ as autograder
@@ -42,10 +43,8 @@ def empty_course(tmp_path, monkeypatch):
 @pytest.fixture
 def broken_exam(empty_course):
     """Return a function that writes the only visible exam of a course."""
-    folder = empty_course / 'exams' / 'visible'
-    folder.mkdir(parents=True)
-    (folder.parent / '__init__.py').touch()
-    return (folder / 'sample.py').write_text
+    laid(empty_course / 'exams', {'__init__.py': b'', 'visible/sample.py': b''})
+    return (empty_course / 'exams' / 'visible' / 'sample.py').write_text
 
 
 def forget() -> dict[str, ModuleType]:
@@ -57,7 +56,6 @@ def forget() -> dict[str, ModuleType]:
 
 @pytest.mark.parametrize('line', BROKEN)
 def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, capsys, line):
-    """The error shows the file, the line and the message, and sends learners to the instructor."""
     broken_exam(f'"""A docstring."""\n\n{line}\n')
 
     command = ['check', 'sample', '--files', str(tmp_path), '--visible']
@@ -84,7 +82,6 @@ def test_course_without_exams_does_not_use_those_of_the_project(empty_course, ca
 @pytest.mark.parametrize('file', ['exams/__init__.py', 'exams/visible/__init__.py'])
 @pytest.mark.parametrize('line', ['import numpyy', 'x = ('])
 def test_a_package_of_exams_that_cannot_be_imported_is_named(broken_exam, tmp_path, file, line):
-    broken_exam('')
     (tmp_path / file).write_text(line)
 
     with pytest.raises(ExamInvalid, match=rf'^{file}, line 1: (ModuleNotFound|Syntax)Error: '):
@@ -99,7 +96,6 @@ def test_first_exam_of_a_course_without_a_folder_for_exams_is_found(empty_course
 
 
 def test_exams_of_another_course_are_refused(broken_exam, monkeypatch):
-    broken_exam('')
     other = ModuleType('exams')
     other.__file__ = '/elsewhere/exams.py'
     monkeypatch.setitem(sys.modules, 'exams', other)
@@ -109,7 +105,6 @@ def test_exams_of_another_course_are_refused(broken_exam, monkeypatch):
 
 
 def test_names_put_the_course_on_the_search_path_once(broken_exam, tmp_path):
-    broken_exam('')
     for _ in range(3):
         sys.path.insert(0, '/elsewhere')
         assert catalog.names(hidden=False) == ('sample',)

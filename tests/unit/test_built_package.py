@@ -1,4 +1,4 @@
-"""Packages that colcon builds: recognition, executables, and explanations of failures."""
+"""Packages that colcon builds: added files, executables, and explanations of failures."""
 
 import importlib
 import json
@@ -28,7 +28,6 @@ def test_a_package_has_a_manifest_with_a_name_and_says_how_it_is_built():
 
 
 def test_the_exam_stays_the_same_but_for_what_runs():
-    """The exam for a package has the same checks and inputs, and the original is unchanged."""
     exam = catalog.load('temperature_publisher', hidden=False)
 
     assert EXAM.checks == exam.checks
@@ -58,15 +57,21 @@ def test_both_starts_run_the_executable():
 
 def first_check(code, stderr, files):
     """Return the first check of a run that ended with this exit code."""
-    checks = (
-        CheckResult(
-            'starts_its_node', 'It starts.', Verdict.FAILED, 0, 2, 'a node', 'none', 'It died.'
-        ),
+    check = CheckResult(
+        'starts_its_node', 'It starts.', Verdict.FAILED, 0, 2, 'a node', 'none', 'It died.'
     )
     process = {'event': 'process', 'exit': code, 'killed': '', 'stderr': stderr, 'stdout': ''}
-    recording = Recording({}, [process])
-    result = explained(EXAM, ExamResult(EXAM.name, checks), recording, files)
-    return result.checks[0]
+    result = ExamResult(EXAM.name, (check,))
+    return explained(EXAM, result, Recording({}, [process]), files).checks[0]
+
+
+def ended(error, exit=1):
+    """Return the end of a process with an exception."""
+    stderr = f'Traceback (most recent call last):\n{error}\n'
+    return Recording({}, [{'event': 'process', 'exit': exit, 'stderr': stderr}])
+
+
+NOT_CALLABLE = "TypeError: 'module' object is not callable"
 
 
 def there(**places):
@@ -86,7 +91,6 @@ def there(**places):
 def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
     files, installed, cause_id, words
 ):
-    """The cause also lists the executables that were installed."""
     check = first_check(97, there(**installed), dict.fromkeys(files, ''))
 
     assert check.cause_id == cause_id
@@ -101,15 +105,14 @@ def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
         ("ModuleNotFoundError: No module named 'thermo'", 'no_modules', 'find_packages'),
         ("ModuleNotFoundError: No module named 'a'", 'entry_point_module', 'thermo.MODULE:main'),
         ("AttributeError: module 'thermo.a' has no attribute 'b'", 'entry_point_function', 'b'),
-        ("TypeError: 'module' object is not callable", 'entry_point_function', 'no function'),
+        (NOT_CALLABLE, 'entry_point_function', 'no function'),
     ],
 )
 def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
     """The entry point is named, because the traceback has no line of the student's code."""
-    head = 'Traceback (most recent call last):\n  File "/ws/lib/thermo/temp_publisher", line 33\n'
-    process = {'event': 'process', 'exit': 1, 'stderr': f'{head}{error}\n'}
+    recording = ended(f'  File "/ws/lib/thermo/temp_publisher", line 33\n{error}')
     setup = {'setup.py': "# temp_publisher = a:main\n\n    'temp_publisher = thermo.a',\n"}
-    why = packages.why_no_program(Run(setup, Recording({}, [process]), EXAM.facts))
+    why = packages.why_no_program(Run(setup, recording, EXAM.facts))
 
     assert why.cause_id == cause_id
     assert words in f'{why.text} {why.try_this}'
@@ -118,31 +121,23 @@ def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
 
 
 def test_entry_point_of_setup_cfg_has_its_line_there():
-    error = "Traceback (most recent call last):\nTypeError: 'module' object is not callable\n"
-    process = {'event': 'process', 'exit': 1, 'stderr': error}
-    files = {
-        'setup.py': 'setup()\n',
-        'setup.cfg': 'console_scripts =\n  temp_publisher=thermo.a\n',
-    }
+    entry = 'console_scripts =\n  temp_publisher=thermo.a\n'
+    files = {'setup.py': 'setup()\n', 'setup.cfg': entry}
 
-    why = packages.why_no_program(Run(files, Recording({}, [process]), EXAM.facts))
+    why = packages.why_no_program(Run(files, ended(NOT_CALLABLE), EXAM.facts))
 
     assert why.text.startswith('setup.cfg, line 2: ')
 
 
 def test_thread_that_calls_a_module_is_no_entry_point():
     """An exception in a thread does not end the program, so the exit code is 0."""
-    error = "Traceback (most recent call last):\nTypeError: 'module' object is not callable\n"
-    process = {'event': 'process', 'exit': 0, 'stderr': error}
-
-    assert packages.why_no_program(Run({}, Recording({}, [process]), EXAM.facts)) is None
+    assert packages.why_no_program(Run({}, ended(NOT_CALLABLE, 0), EXAM.facts)) is None
 
 
 @pytest.mark.parametrize(
     'line', ['', 'run_package: {', 'run_package: [1]', 'run_package: {"lib": 3}']
 )
 def test_what_a_build_prints_is_not_believed(line):
-    """A build that prints a list of executables does not change the cause."""
     assert first_check(97, line, {'setup.py': ''}).cause_id == 'entry_point_missing'
 
 
@@ -169,14 +164,61 @@ def test_lines_are_those_of_the_file(words):
     assert result.checks[0].cause == words.format(7, 9)
 
 
-def test_both_sides_mean_the_same_codes(monkeypatch):
+@pytest.fixture
+def inside(monkeypatch):
+    """Return a function that imports a script of the sandbox."""
+    monkeypatch.syspath_prepend(str(HERE / 'inside'))
+    return importlib.import_module
+
+
+def test_both_sides_mean_the_same_codes(inside):
     """The script in the sandbox repeats the exit codes, as it imports nothing of the project."""
-    inside = HERE / 'inside'
-    monkeypatch.syspath_prepend(str(inside))
-    run_package = importlib.import_module('run_package')
+    run_package = inside('run_package')
 
     assert (run_package.NO_EXECUTABLE, run_package.NOT_BUILT, run_package.MARK) == (
         packages.NO_EXECUTABLE,
         packages.NOT_BUILT,
         packages.MARK,
     )
+
+
+@pytest.fixture
+def build_package(inside):
+    """Return the script, which runs inside the sandbox."""
+    return inside('build_package')
+
+
+def names(folder):
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob('*.*'))
+
+
+def written(folder, *files):
+    for name in files:
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).touch()
+    return folder
+
+
+def test_cells_become_a_package(build_package, tmp_path):
+    """A node goes into the inner folder, and every other file stays where it is."""
+    folder = written(tmp_path, 'setup.py', 'a.py', 'config/a.yaml')
+    build_package.add_package_files(folder, 'pack')
+
+    assert names(folder) == ['config/a.yaml', 'pack/__init__.py', 'pack/a.py', 'setup.py']
+    assert (folder / 'resource' / 'pack').is_file()
+
+
+@pytest.mark.parametrize(
+    'files',
+    [
+        ('CMakeLists.txt', 'a.py'),
+        ('setup.py', 'a.py', 'pack/__init__.py'),
+        ('setup.py', 'a.py', 'resource/pack'),
+    ],
+)
+def test_whole_package_stays_as_it_is(build_package, tmp_path, files):
+    """The grader adds nothing to a whole package: its mistakes are the student's."""
+    before = names(written(tmp_path, *files))
+    build_package.add_package_files(tmp_path, 'pack')
+
+    assert names(tmp_path) == before

@@ -28,20 +28,28 @@ def log(text, level=WARN, name='lab.a'):
     return {'event': 'log', 'name': name, 'level': level, 'text': text, 'after_input': 0}
 
 
+def messages(*clocks_s):
+    return [message(clock) for clock in clocks_s]
+
+
+def failure(check, *arguments, **facts):
+    with pytest.raises(Failed) as failed:
+        check(*arguments, **facts)
+    return failed.value
+
+
 class TestNode:
     def test_node_of_the_right_name_passes(self):
-        """The full name is compared."""
         checks.require_node(run_of(GRAPH), '/lab/a')
 
     def test_node_in_another_namespace_is_reported(self):
-        with pytest.raises(Failed) as failed:
-            checks.require_node(run_of(GRAPH), '/kitchen/a')
+        failed = failure(checks.require_node, run_of(GRAPH), '/kitchen/a')
 
-        assert failed.value.expected == 'a node called a in the namespace /kitchen'
-        assert failed.value.observed == '/lab/a'
-        assert failed.value.why.cause_id == 'namespace'
+        assert failed.expected == 'a node called a in the namespace /kitchen'
+        assert failed.observed == '/lab/a'
+        assert failed.why.cause_id == 'namespace'
 
-        assert failed.value.why.try_this.startswith('Give the node only its name')
+        assert failed.why.try_this.startswith('Give the node only its name')
 
 
 class TestReached:
@@ -51,11 +59,10 @@ class TestReached:
         sent = {'event': 'input', 'index': 0, 'topic': TOPIC}
         run = run_of(start, sent, {**GRAPH, 'endpoints': [HEARD]})
 
-        with pytest.raises(Failed) as failed:
-            checks.require_reached(run, TOPIC, TYPE)
+        failed = failure(checks.require_reached, run, TOPIC, TYPE)
 
-        assert failed.value.why.cause_id == 'subscribed_late'
-        assert not failed.value.blocks
+        assert failed.why.cause_id == 'subscribed_late'
+        assert not failed.blocks
 
     @pytest.mark.parametrize(('lost', 'passes'), [('/other', True), (TOPIC, False)])
     def test_topic_that_is_not_connected_fails_alone(self, lost, passes):
@@ -68,22 +75,22 @@ class TestReached:
 
 class TestEndpoint:
     def test_endpoint_of_another_type_is_named(self):
-        """The cause is the type of the endpoint, although its topic is correct."""
-        with pytest.raises(Failed) as failed:
-            checks.require_endpoint(run_of(GRAPH), 'publisher', TOPIC, 'std_msgs/msg/Int32')
+        failed = failure(
+            checks.require_endpoint, run_of(GRAPH), 'publisher', TOPIC, 'std_msgs/msg/Int32'
+        )
 
-        assert failed.value.why.cause_id == 'wrong_type'
+        assert failed.why.cause_id == 'wrong_type'
 
     def test_policies_are_compared_one_by_one(self):
-        """Only the requested policies are compared, and periods are shown in seconds."""
         checks.require_qos([END], reliability='RELIABLE', deadline_ns=None)
 
-        with pytest.raises(Failed) as failed:
-            checks.require_qos([END], reliability='RELIABLE', deadline_ns=200_000_000)
+        failed = failure(
+            checks.require_qos, [END], reliability='RELIABLE', deadline_ns=200_000_000
+        )
 
-        assert failed.value.expected == 'deadline 0.2 s'
-        assert failed.value.observed == 'deadline without limit'
-        assert failed.value.why.cause_id == 'qos_deadline'
+        assert failed.expected == 'deadline 0.2 s'
+        assert failed.observed == 'deadline without limit'
+        assert failed.why.cause_id == 'qos_deadline'
 
 
 class TestMessages:
@@ -91,18 +98,17 @@ class TestMessages:
         """The name of a nested field contains a dot."""
         found = [message(1, unit={'name': 'Celsius'}), message(2, unit={'name': 'celsius'})]
 
-        with pytest.raises(Failed) as failed:
-            checks.require_field(run_of(), found, 'unit.name', 'Celsius')
+        failed = failure(checks.require_field, run_of(), found, 'unit.name', 'Celsius')
 
-        assert failed.value.observed == "unit.name 'celsius'"
-        assert 'case' in failed.value.why.text
+        assert failed.observed == "unit.name 'celsius'"
+        assert 'case' in failed.why.text
 
     @pytest.mark.parametrize(
         'clocks', [[1.1, 2.1, 3.1], [1.1, 2.105, 3.1], [0.1, 1.1, 2.1, 3.1]], ids=str
     )
     def test_steady_messages_pass_wherever_they_begin(self, clocks):
         """A delay of some milliseconds, and one message more or less, are accepted."""
-        rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
+        rhythm.require_period(run_of(), messages(*clocks), 1.0, 3.0)
 
     @pytest.mark.parametrize(
         ('clocks', 'observed'),
@@ -116,10 +122,9 @@ class TestMessages:
     )
     def test_rhythm_is_reported_in_words(self, clocks, observed):
         """No count is shown, because a flood is recorded only in part."""
-        with pytest.raises(Failed) as failed:
-            rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 4.0)
+        failed = failure(rhythm.require_period, run_of(), messages(*clocks), 1.0, 4.0)
 
-        assert failed.value.observed == observed
+        assert failed.observed == observed
 
     @pytest.mark.parametrize(
         ('clocks', 'waited_s', 'at'),
@@ -134,24 +139,23 @@ class TestMessages:
     def test_first_difference_is_where_a_message_is_missing_or_too_early(
         self, clocks, waited_s, at
     ):
-        found = [message(clock) for clock in clocks]
-        with pytest.raises(Failed) as failed:
-            rhythm.require_period(run_of(), found, 1.0, 7.0, waited_s=waited_s)
+        failed = failure(
+            rhythm.require_period, run_of(), messages(*clocks), 1.0, 7.0, waited_s=waited_s
+        )
 
-        assert failed.value.at == at * checks.SECOND
+        assert failed.at == at * checks.SECOND
 
     def test_first_message_comes_within_one_period(self):
         """The timer publishes no message in its first call."""
-        found = [message(clock) for clock in (2.0, 3.0, 4.0)]
+        found = messages(2.0, 3.0, 4.0)
         run = run_of({'event': 'mark', 'clock_ns': 4_500_000_000})
         waited_s = rhythm.seconds_between([{'event': 'seen', 'clock_ns': 0}], found)
 
         rhythm.require_period(run, found, 1.0, 4.0, waited_s=1.01)
-        with pytest.raises(Failed) as failed:
-            rhythm.require_period(run, found, 1.0, 4.0, waited_s=waited_s)
+        failed = failure(rhythm.require_period, run, found, 1.0, 4.0, waited_s=waited_s)
 
-        assert failed.value.observed == '3 messages, 1 s apart, the first after 2 s'
-        assert failed.value.why.cause_id == 'begins_late'
+        assert failed.observed == '3 messages, 1 s apart, the first after 2 s'
+        assert failed.why.cause_id == 'begins_late'
 
     @pytest.mark.parametrize(
         ('number', 'seconds'),
@@ -163,9 +167,7 @@ class TestMessages:
         heard = [{**message(1), 'number': 1}, *later]
         run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 1_500_000_000}, *heard)
 
-        found = rhythm.with_unheard(run, heard)
-
-        assert [one['clock_ns'] / 1e9 for one in found] == seconds
+        assert [one['clock_ns'] / 1e9 for one in rhythm.with_unheard(run, heard)] == seconds
 
     def test_greetings_before_the_first_subscription_are_as_far_apart_as_the_next_ones(self):
         """A later change of the rhythm does not move what the probe has not heard."""
@@ -191,20 +193,18 @@ class TestMessages:
         run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 600_000_000}, *found)
         run = replace(run, files={'n.py': code})
 
-        with pytest.raises(Failed) as failed:
-            rhythm.require_period(run, rhythm.with_unheard(run, found), 1.0, 7.0)
+        failed = failure(rhythm.require_period, run, rhythm.with_unheard(run, found), 1.0, 7.0)
 
-        assert (failed.value.why.cause_id == 'only_if_heard') == because_unheard
+        assert (failed.why.cause_id == 'only_if_heard') == because_unheard
 
     def test_new_publisher_is_no_silence(self):
         """Its numbers do not show how many messages were published without a subscription."""
         found = [{**message(clock), 'number': 1} for clock in (1, 2, 3, 7, 8, 9)]
         run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 3_500_000_000}, *found)
 
-        with pytest.raises(Failed) as failed:
-            rhythm.require_period(run, rhythm.with_unheard(run, found), 1.0, 9.0)
+        failed = failure(rhythm.require_period, run, rhythm.with_unheard(run, found), 1.0, 9.0)
 
-        assert failed.value.why is None or failed.value.why.cause_id != 'only_if_heard'
+        assert failed.why is None or failed.why.cause_id != 'only_if_heard'
 
     @pytest.mark.parametrize('answered', [True, False])
     def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):
@@ -212,57 +212,42 @@ class TestMessages:
         asked = {'event': 'asked', 'node': '/lab/a', 'answered': answered}
         run = replace(run_of(asked), files={'n.py': code})
 
-        with pytest.raises(Failed) as failed:
-            rhythm.require_period(run, [message(clock) for clock in (1, 3, 5)], 1.0, 5.0)
+        failed = failure(rhythm.require_period, run, messages(1, 3, 5), 1.0, 5.0)
 
-        assert failed.value.why.cause_id == 'sleeps_in_callback'
+        assert failed.why.cause_id == 'sleeps_in_callback'
 
     @pytest.mark.parametrize(
-        ('clocks', 'cause'),
+        ('clocks', 'end_s', 'cause'),
         [
-            ([0.6, 1.1, 1.6, 2.1, 2.6, 3.1], 'wrong_rate'),
-            ([1.1, 3.1], 'some_missing'),
-            ([], None),
-            ([1.1, 1.1, 2.1, 3.1], 'several_at_once'),
-            ([1.1, 1.3, 2.1, 2.3, 3.1, 3.3], 'several_timers'),
+            ([0.6, 1.1, 1.6, 2.1, 2.6, 3.1], 3.0, 'wrong_rate'),
+            ([1.1, 3.1], 3.0, 'some_missing'),
+            ([], 3.0, None),
+            ([1.1, 1.1, 2.1, 3.1], 3.0, 'several_at_once'),
+            ([1.1, 1.3, 2.1, 2.3, 3.1, 3.3], 3.0, 'several_timers'),
+            ([1.1, 2.1, 3.1], 8.0, 'stops'),
         ],
-        ids=['twice as fast', 'a hole', 'silence', 'doubled', 'two timers'],
+        ids=['twice as fast', 'a hole', 'silence', 'doubled', 'two timers', 'the end'],
     )
-    def test_other_rhythms_fail(self, clocks, cause):
+    def test_other_rhythms_fail(self, clocks, end_s, cause):
         """A cause is named only if the evidence is certain."""
-        with pytest.raises(Failed) as failed:
-            rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
+        failed = failure(rhythm.require_period, run_of(), messages(*clocks), 1.0, end_s)
 
-        assert (failed.value.why and failed.value.why.cause_id) == cause
+        assert (failed.why and failed.why.cause_id) == cause
 
-    def test_rhythm_that_ends_early_is_not_called_a_wrong_rate(self):
-        """If the rhythm is correct until it ends, the cause is its early end."""
-        with pytest.raises(Failed) as failed:
-            rhythm.require_period(
-                run_of(), [message(clock) for clock in (1.1, 2.1, 3.1)], 1.0, 8.0
-            )
+    @pytest.mark.parametrize(
+        ('least', 'expected'),
+        [(3, 'at least 3 messages on /lab/reading'), (1, 'messages on /lab/reading')],
+    )
+    def test_too_few_messages_fail(self, least, expected):
+        failed = failure(
+            checks.require_messages, run_of(GRAPH), [], least, 'messages on /lab/reading'
+        )
 
-        assert failed.value.why.cause_id == 'stops'
-
-    def test_too_few_messages_fail(self):
-        """If no message arrived, the cause is ``silent``."""
-        with pytest.raises(Failed) as failed:
-            checks.require_messages(run_of(GRAPH), [], 3, 'messages on /lab/reading')
-
-        assert failed.value.expected == 'at least 3 messages on /lab/reading'
-        assert failed.value.why.cause_id == 'silent'
-
-    def test_one_message_is_asked_for_without_a_number(self):
-        """The sentence does not say "at least 1 messages"."""
-        with pytest.raises(Failed) as failed:
-            checks.require_messages(run_of(GRAPH), [], 1, 'messages on /lab/reading')
-
-        assert failed.value.expected == 'messages on /lab/reading'
+        assert failed.expected == expected
+        assert failed.why.cause_id == 'silent'
 
 
 class TestLogs:
-    """Only log lines of the node's own logger count."""
-
     def test_lines_of_others_do_not_count(self):
         """Child loggers count; a node whose name only begins with the same letters does not."""
         run = run_of(log('mine'), log('child', name='lab.a.kid'), log('other', name='lab.ab'))
@@ -274,11 +259,9 @@ class TestAnswers:
     SERVICE = '/lab/a/change_state'
 
     def answer(self, **data):
-        """Return an answered call."""
         return {'event': 'answer', 'service': self.SERVICE, 'data': data}
 
     def test_wanted_answers_pass(self):
-        """Only the named fields are compared."""
         run = run_of(self.answer(success=True, more=1), self.answer(success=False))
 
         checks.require_answers(run, self.SERVICE, [{'success': True}, {}], 'two transitions')
@@ -286,11 +269,12 @@ class TestAnswers:
     def test_other_answer_is_reported_by_number(self):
         run = run_of(self.answer(success=True), self.answer(success=False))
 
-        with pytest.raises(Failed) as failed:
-            checks.require_answers(run, self.SERVICE, [{'success': True}] * 2, 'two transitions')
+        failed = failure(
+            checks.require_answers, run, self.SERVICE, [{'success': True}] * 2, 'two transitions'
+        )
 
-        assert failed.value.expected == 'two transitions: success True in answer 2'
-        assert failed.value.observed == 'success False'
+        assert failed.expected == 'two transitions: success True in answer 2'
+        assert failed.observed == 'success False'
 
     @pytest.mark.parametrize(
         ('reason', 'cause_id'), [('no_service', 'no_service'), ('too_late', 'no_response')]
@@ -299,10 +283,11 @@ class TestAnswers:
         """A plain Node has no lifecycle services, and a callback may never return."""
         run = run_of({'event': 'no_answer', 'service': self.SERVICE, 'reason': reason})
 
-        with pytest.raises(Failed) as failed:
-            checks.require_answers(run, self.SERVICE, [{}], 'the transition configure')
+        failed = failure(
+            checks.require_answers, run, self.SERVICE, [{}], 'the transition configure'
+        )
 
-        assert failed.value.why.cause_id == cause_id
+        assert failed.why.cause_id == cause_id
 
 
 def test_lines_of_the_only_node_count_in_each_phase_whatever_its_name():

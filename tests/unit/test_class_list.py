@@ -6,7 +6,6 @@ from collect_sources import (
     collect,
     GOOD,
     laid,
-    layout,  # noqa: F401 - a fixture
     LISTEN,
     TALK,
 )
@@ -40,7 +39,6 @@ def listed(layout):
 
 
 def test_ids_are_those_of_collect_and_other_columns_are_ignored(listed):
-    """A list with semicolons, a byte order mark and other columns can be read."""
     assert class_list(listed) == {'ann': 'Ann Example', 'bob@x.example': '', 'zoe': 'Zoe Z'}
 
 
@@ -54,7 +52,6 @@ def test_names_of_the_list_are_shown_but_not_saved(listed):
 
 
 def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):
-    """A missing student has no mark, rather than a mark of zero."""
     here = ClassResults(TALK, (submission('ann'), submission('eve')))
     found = marks(listed, here, AUTOMATIC)
 
@@ -71,9 +68,9 @@ def test_name_and_id_of_a_student_are_the_same_student(layout, column):
     """Both files accept the id that collect shows, and the name from which it is made."""
     name = 'Müller, Jörg'
     shown = {'name': name, 'id': student_id(name)}[column]
-    laid(layout.work, {'class_list.csv': f'student\n"{shown}"\n'.encode()})
-    text = f'student,assignment,hours\n"{shown}",,48\n'
-    laid(layout.work, {'extensions.csv': text.encode()})
+    hours = f'student,assignment,hours\n"{shown}",,48\n'.encode()
+    names = f'student\n"{shown}"\n'.encode()
+    laid(layout.work, {'class_list.csv': names, 'extensions.csv': hours})
 
     assert extensions(layout)[student_id(name), TALK] == timedelta(hours=48)
     for folder in (name, student_id(name)):  # an instructor may have created the folder
@@ -87,7 +84,6 @@ def test_without_a_list_nobody_is_missing(layout):
 
 
 def test_reports_and_statistics_name_who_is_missing(listed):
-    """The table, the page and the statistics name missing students."""
     missing = not_collected(listed, TALK, {'ann'})
     console = Console(record=True, width=120, file=None)
     print_table(console, TALK, [submission('ann')], {}, missing)
@@ -120,6 +116,11 @@ def test_a_wrong_list_is_refused_with_its_place(layout, text, why):
 
 
 def test_extensions_are_hours_for_one_assignment_or_for_all(layout):
+    """Without a file, the gradebook keeps its extensions; an empty file removes them."""
+    assert extensions(layout) is None
+    laid(layout.work, {'extensions.csv': b'student,assignment,hours\n'})
+    assert extensions(layout) == {}
+
     text = 'student,assignment,hours\nann,,24\nann,talk,"1,5"\nzoe,04_listen,0\n'
     laid(layout.work, {'extensions.csv': text.encode()})
     found = extensions(layout)
@@ -127,14 +128,6 @@ def test_extensions_are_hours_for_one_assignment_or_for_all(layout):
     assert found['ann', TALK] == timedelta(hours=1.5)
     assert found['ann', LISTEN] == timedelta(hours=24)
     assert ('zoe', TALK) not in found
-
-
-def test_without_the_file_the_gradebook_decides(layout):
-    """Without a file, the gradebook keeps its extensions; an empty file removes them."""
-    assert extensions(layout) is None
-
-    laid(layout.work, {'extensions.csv': b'student,assignment,hours\n'})
-    assert extensions(layout) == {}
 
 
 @pytest.mark.parametrize(
@@ -147,13 +140,16 @@ def test_without_the_file_the_gradebook_decides(layout):
         ('ann,,nan', 'expected hours'),
     ],
 )
-def test_a_wrong_extension_is_refused_with_its_place(layout, row, why):
+def test_a_wrong_extension_is_refused_with_its_place(gather, layout, row, why):
     """A misspelt name is refused, so that no student loses points."""
     laid(layout.work, {'extensions.csv': f'student,assignment,hours\n{row}\n'.encode()})
 
     with pytest.raises(GraderError, match=why):
         extensions(layout)
-    source = laid(layout.root / 'class', {f'{name}/talk.ipynb': GOOD for name in ('ann', 'bob')})
     with pytest.raises(GraderError, match=why):
-        collect(source, layout, layout.submitted)
+        collect(
+            laid(layout.root / 'class', {f'{name}/talk.ipynb': GOOD for name in ('ann', 'bob')}),
+            layout,
+            layout.submitted,
+        )
     assert not layout.submitted.exists()

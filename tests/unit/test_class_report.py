@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from bs4 import BeautifulSoup
+from collect_sources import laid
 from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission, VISIBLE
 from hypothesis import given, settings, strategies
 import pytest
@@ -29,7 +30,6 @@ def numbers_of(*results, root='/nowhere'):
 
 
 def page_of(root, *results, summary=''):
-    """Return the page of a class in a course."""
     made = ClassResults(ASSIGNMENT, tuple(results))
     return write_class_report(Layout(root), made, summary).read_text('utf-8')
 
@@ -42,12 +42,11 @@ def timed(student, **timing):
 
 def with_headers(root, *headers):
     """Return the results of a class whose recordings have these headers."""
-    place = Layout(root).recordings / 'talker'
-    place.mkdir(parents=True)
     results = []
     for number, header in enumerate(headers):
         name = f'{number}.jsonl'
-        (place / name).write_text(f'{json.dumps(header)}\nnonsense', encoding='utf-8')
+        recording = f'{json.dumps(header)}\nnonsense'.encode()
+        laid(Layout(root).recordings / 'talker', {name: recording})
         one = submission(f's{number}')
         results.append(replace(one, exams=(replace(one.exams[0], recording=name),)))
     return results
@@ -64,15 +63,12 @@ def with_points(*points):
 @pytest.fixture
 def layout(tmp_path):
     """Return a course with one released assignment that was graded."""
-    (tmp_path / 'notebooks' / ASSIGNMENT).mkdir(parents=True)
-    (tmp_path / 'notebooks' / ASSIGNMENT / 'talker.ipynb').write_text('{}', encoding='utf-8')
-    made = Layout(tmp_path)
+    made = Layout(laid(tmp_path, {f'notebooks/{ASSIGNMENT}/talker.ipynb': b'{}'}))
     write_all_reports(made, ASSIGNMENT, CLASS.results[:3])
     return made
 
 
 def read(page):
-    """Return a parsed page."""
     return BeautifulSoup(page, 'html.parser')
 
 
@@ -87,13 +83,11 @@ class TestNumbers:
         assert marks.bins == (1, 1, 0, 0, 1, 1, 0, 0, 0, 2)
 
     def test_quartiles_of_a_single_submission_equal_its_mark(self):
-        """With a single submission, every quartile is the mark of that submission."""
         marks = numbers_of(*with_points(7)).marks
 
         assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)
 
     def test_for_review_counts_nowhere_but_in_its_list(self):
-        """A submission for review has no mark of zero and no failed checks."""
         numbers = numbers_of(FULL, REVIEW)
 
         assert numbers.marks.count == 1
@@ -108,7 +102,6 @@ class TestNumbers:
         assert 'no student has a mark' in stats_text(numbers)
 
     def test_causes_are_counted_by_their_name(self):
-        """Causes are grouped by id and shown with their most frequent text."""
         others = [submission(f's{n}', (failed(words=f'a typo in line {n}'),)) for n in range(2)]
         same = [submission(f't{n}', (failed(words='a typo in line 1'),)) for n in range(2)]
         odd = submission('u', (failed(words='late', cause_id='late'),))
@@ -119,49 +112,49 @@ class TestNumbers:
 
     def test_digests_come_from_the_recordings_that_are_there(self, tmp_path):
         """A missing or damaged recording has no digest and is not an error."""
-        place = tmp_path / 'autograder' / '_work' / 'recordings' / 'talker'
-        place.mkdir(parents=True)
-        header = {'scenario': 'a' * 32, 'environment': 'b' * 32}
-        (place / 'abc.jsonl').write_text(json.dumps(header) + '\nnonsense', encoding='utf-8')
+        (made,) = with_headers(tmp_path, {'scenario': 'a' * 32, 'environment': 'b' * 32})
 
-        assert numbers_of(FULL, root=tmp_path).exams == {
+        assert numbers_of(made, root=tmp_path).exams == {
             'talker': {'scenario': ('a' * 12,), 'environment': ('b' * 12,)}
         }
-        (place / 'abc.jsonl').write_text('{', encoding='utf-8')
-        assert numbers_of(FULL, root=tmp_path).exams['talker'] == {
+        (Layout(tmp_path).recordings / 'talker' / '0.jsonl').write_text('{', encoding='utf-8')
+        assert numbers_of(made, root=tmp_path).exams['talker'] == {
             'scenario': (),
             'environment': (),
         }
 
-    def test_damaged_digests_are_no_error(self, tmp_path):
-        headers = {'made_with': 'nonsense'}, {'made_with': {'python': 3}}
-        numbers = numbers_of(*with_headers(tmp_path, *headers), root=tmp_path)
-
-        assert numbers.versions == {'python': '3'}
-
-    def test_versions_are_those_of_the_recordings(self, tmp_path):
-        """All versions are listed; older recordings name only an environment."""
-        results = with_headers(
-            tmp_path,
-            {'environment': 'b' * 32, 'made_with': {'grader': '79c8bf8', 'python': '3.9.1'}},
-            {'environment': 'b' * 32, 'made_with': {'grader': '523d5a5', 'python': '3.9.1'}},
-            {'environment': 'c' * 32},
-        )
+    @pytest.mark.parametrize(
+        ('headers', 'versions', 'said'),
+        [
+            # All versions are listed; older recordings name only an environment.
+            (
+                [
+                    {'environment': 'b' * 32, 'made_with': {'grader': '79c8bf8', 'python': '3.9'}},
+                    {'environment': 'b' * 32, 'made_with': {'grader': '523d5a5', 'python': '3.9'}},
+                    {'environment': 'c' * 32},
+                ],
+                {
+                    'grader': '79c8bf8 and 523d5a5',
+                    'python': '3.9',
+                    'environment': f'{"b" * 12} and {"c" * 12}',
+                },
+                'ecorded with grader 79c8bf8 and 523d5a5, python 3.9',
+            ),
+            ([{'made_with': 'nonsense'}, {'made_with': {'python': 3}}], {'python': '3'}, 'python'),
+            # Without recordings, the versions of this machine are not shown.
+            ([], {}, ''),
+        ],
+        ids=['versions', 'damaged', 'no recordings'],
+    )
+    def test_versions_are_those_of_the_recordings(self, tmp_path, headers, versions, said):
+        results = with_headers(tmp_path, *headers) or [FULL]
         numbers = numbers_of(*results, root=tmp_path)
-
-        assert numbers.versions == {
-            'grader': '79c8bf8 and 523d5a5',
-            'python': '3.9.1',
-            'environment': f'{"b" * 12} and {"c" * 12}',
-        }
-        assert '  recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in stats_text(numbers)
         page = read(page_of(tmp_path, *results)).text
-        assert 'Recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in page
 
-    def test_no_recordings_no_versions(self, tmp_path):
-        """Without recordings, the versions of this machine are not shown."""
-        assert numbers_of(FULL).versions == {}
-        assert 'ecorded with' not in page_of(tmp_path, FULL)
+        assert numbers.versions == versions
+        for text in (stats_text(numbers), page):
+            assert said in text
+            assert ('ecorded with' in text) is bool(said)
 
     def test_the_slowest_come_first_and_the_recorded_are_counted(self):
         """A submission that was not run has no time."""
@@ -191,7 +184,6 @@ class TestNumbers:
 
 class TestPage:
     def test_it_loads_nothing_and_runs_nothing(self, tmp_path):
-        """The page loads nothing and has no scripts, whatever students wrote."""
         page = page_of(tmp_path, *CLASS.results, summary=EVIL)
         parts = read(page)
 
@@ -212,7 +204,6 @@ class TestPage:
         assert text.rindex('eve') < text.rindex('ann')
 
     def test_unusable_work_is_for_review_and_first_in_what_is_worth_a_look(self, layout):
-        """Unreadable work has no mark, and its problem is listed first."""
         cut = Problem('x.ipynb', 'a notebook', 'an empty file', 'submit again', ('talker',), True)
         results = [submission('ann', noticed=('odd cells',)), submission('zoe', problems=(cut,))]
         numbers = numbers_of(*results)
@@ -234,9 +225,7 @@ class TestPage:
             assert (path.parent / link).is_file(), link
 
     def test_the_picture_is_also_a_table(self, tmp_path):
-        """The picture has a name and a description, and a table shows its numbers."""
-        page = page_of(tmp_path, *with_points(0, 5, 10, 10))
-        parts = read(page)
+        parts = read(page_of(tmp_path, *with_points(0, 5, 10, 10)))
 
         (svg,) = parts('svg')
         identifiers = {part['id'] for part in parts(id=True)}
@@ -245,7 +234,6 @@ class TestPage:
         assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in parts.text
 
     def test_checks_stand_in_the_order_of_the_exams(self, tmp_path):
-        """The checks are in the order that students see, each with its most frequent cause."""
         first, second = submission(exam='z'), submission(exam='a')
         both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
         text = read(page_of(tmp_path, both)).text
@@ -262,8 +250,8 @@ class TestPage:
         assert all(two <= one + 1 for one, two in pairwise(levels))
 
     def test_it_is_written_again_in_place(self, layout):
-        path = write_class_report(layout, graded(layout, ASSIGNMENT)[0], 'first')
-        write_class_report(layout, graded(layout, ASSIGNMENT)[0], 'second')
+        for summary in ('first', 'second'):
+            path = write_class_report(layout, graded(layout, ASSIGNMENT)[0], summary)
 
         assert 'second' in path.read_text('utf-8')
         assert [one.name for one in path.parent.glob('.class*')] == []
@@ -271,7 +259,6 @@ class TestPage:
 
 class TestTerminal:
     def test_it_says_the_same_in_words(self):
-        """The text has marks, checks with causes, reviews, flags and the isolation."""
         text = stats_text(numbers_of(submission(), FULL, REVIEW))
 
         for part in (
@@ -296,30 +283,21 @@ class TestWhatWasGraded:
             assert layout.assignment_named(name) == ASSIGNMENT
         assert graded(layout, 'talker')[0].results == CLASS.results[:3]
 
-    def test_a_typo_is_answered_with_a_near_one(self, layout):
+    def test_a_typo_is_answered_with_a_near_one_and_nothing_graded_with_what_to_do(self, layout):
         with pytest.raises(GraderError, match='Did you mean 01_talker'):
             layout.assignment_named('01_taker')
-
-    def test_nothing_graded_says_what_to_do(self, tmp_path):
         with pytest.raises(GraderError, match='Try: make grade'):
-            graded(Layout(tmp_path))
+            graded(Layout(layout.root / 'nothing'))
 
 
-class TestVisibleChecksAlone:
+def test_visible_checks_alone_make_no_marks(tmp_path):
     """Isolation that cannot hide the hidden exams leaves only the visible checks."""
+    numbers = numbers_of(VISIBLE)
 
-    def test_they_make_no_marks(self):
-        """The verdicts are counted, but no marks are shown."""
-        numbers = numbers_of(VISIBLE)
-
-        assert numbers.marks is None
-        assert [check.passed for check in numbers.checks] == [1, 1]
-
-    def test_the_page_says_so(self, tmp_path):
-        """The page shows a note below the points."""
-        page = page_of(tmp_path, VISIBLE)
-
-        assert '>5 of 5<br><span class="review">only visible checks</span>' in page
+    assert numbers.marks is None
+    assert [check.passed for check in numbers.checks] == [1, 1]
+    page = page_of(tmp_path, VISIBLE)
+    assert '>5 of 5<br><span class="review">only visible checks</span>' in page
 
 
 def test_names_are_with_their_ids(tmp_path):

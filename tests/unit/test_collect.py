@@ -5,19 +5,16 @@ import stat
 import zipfile
 
 from collect_sources import (
-    CANVAS,
     collect,
-    EXCHANGE,
+    configure,
+    every_kind,
     GOOD,
-    GRADESCOPE,
     laid,
-    layout,  # noqa: F401 - a fixture
     limit,
     LISTEN,
     MOODLE,
     notebook,
     packed,
-    REPOSITORIES,
     taken,
     TALK,
 )
@@ -28,52 +25,32 @@ from autograder.classroom.collected import read_not_collected
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.deliveries import BOUNDS, LEFT, REPLACED, TAKEN, UNCHANGED
-from autograder.collect.recognise import recognise_platform
+from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import FOR_REVIEW, OK
-from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.inbox import discover, is_student_id, student_id
-from autograder.submission.reading import opened, UnusableUploadError
+from autograder.submission.reading import UnusableUploadError
 
 
-@pytest.mark.parametrize(
-    ('files', 'kind'),
-    [
-        (CANVAS, 'canvas'),
-        (MOODLE, 'moodle'),
-        (GRADESCOPE, 'gradescope'),
-        (EXCHANGE, 'exchange'),
-        (REPOSITORIES, 'folder'),
-    ],
-    ids=['canvas', 'moodle', 'gradescope', 'exchange', 'repositories'],
-)
+@every_kind
 @pytest.mark.parametrize('how', [packed, laid])
-class TestEveryKind:
-    """Each source is read as a zip and as an unpacked folder."""
+def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(
+    files, expected, how, tmp_path, layout
+):
+    source = how(tmp_path / 'source.zip', files)
+    before = sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
+    collect(source, layout, layout.submitted)
+    first = taken(layout)
 
-    def test_it_is_recognised(self, files, kind, how, tmp_path):
-        """The names in a source are enough to recognise its platform."""
-        with opened(how(tmp_path / 'source.zip', files), BOUNDS) as found:
-            assert recognise_platform(found) == kind
+    again = collect(source, layout, layout.submitted)
 
-    def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(
-        self, files, kind, how, tmp_path, layout
-    ):
-        source = how(tmp_path / 'source.zip', files)
-        before = sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
-        collect(source, layout, layout.submitted)
-        first = taken(layout)
-
-        again = collect(source, layout, layout.submitted)
-
-        assert first
-        assert taken(layout) == first
-        assert {row.done for row in again} <= {UNCHANGED, LEFT}
-        assert before == sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
+    assert first
+    assert taken(layout) == first
+    assert {row.done for row in again} <= {UNCHANGED, LEFT}
+    assert before == sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
 
 
-def test_what_was_collected_can_be_graded(tmp_path, layout):
+def test_what_was_collected_can_be_graded(gather, layout):
     """Nbgrader can read all ids, including those made from names in other alphabets."""
     files = {
         'Zoë Ünal/talk.ipynb': GOOD,
@@ -83,7 +60,7 @@ def test_what_was_collected_can_be_graded(tmp_path, layout):
         'a,b;c*/talk.ipynb': GOOD,
         '--/talk.ipynb': GOOD,
     }
-    rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+    rows = gather(files)
 
     found = discover(layout.submitted, TALK, 'talk.ipynb', layout.assignments())
     assert [one.student for one in found] == [
@@ -93,11 +70,9 @@ def test_what_was_collected_can_be_graded(tmp_path, layout):
     assert ('no letter or digit in the name', "the name was '--'") in [row.notes for row in rows]
 
 
-def test_two_names_that_become_one_are_both_left(tmp_path, layout):
+def test_two_names_that_become_one_are_both_left(gather):
     """If two names give one id, neither is collected: no student gets another's marks."""
-    files = {'ann/talk.ipynb': GOOD, 'hw-ann/talk.ipynb': GOOD}
-
-    rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, prefix='hw-')
+    rows = gather({'ann/talk.ipynb': GOOD, 'hw-ann/talk.ipynb': GOOD}, prefix='hw-')
 
     assert [row.done for row in rows] == [LEFT, LEFT]
     assert all("names give one student id: 'ann', 'hw-ann'" in row.notes[0] for row in rows)
@@ -157,18 +132,17 @@ class TestHostileSources:
             ('C:/x/talk.ipynb', 'an absolute path'),
             ('a\\..\\talk.ipynb', 'a name with unprintable characters'),
             ('a/\x1b[31m/talk.ipynb', 'a name with unprintable characters'),
+            ('a/' + 'x/' * 30_000 + 'talk.ipynb', 'a path that is far too long'),
         ],
+        ids=['upwards', 'root', 'drive', 'backslash', 'escape', 'slashes'],
     )
-    def test_a_path_that_leads_elsewhere_is_left(self, name, why, tmp_path, layout):
-        source = packed(tmp_path / 's.zip', {name: GOOD, 'ann/talk.ipynb': GOOD, 'b/x.txt': b''})
-
-        rows = collect(source, layout, layout.submitted)
+    def test_a_path_that_cannot_be_used_is_left(self, name, why, gather, layout):
+        rows = gather({name: GOOD, 'ann/talk.ipynb': GOOD, 'b/x.txt': b''}, packed)
 
         assert (LEFT, (why,)) in [(row.done, row.notes) for row in rows]
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_link_in_a_zip_is_left(self, tmp_path, layout):
-        """A link in a zip is left out, and the reports name its student."""
         link = zipfile.ZipInfo('ann/talk.ipynb')
         link.external_attr = (stat.S_IFLNK | 0o777) << 16
         with zipfile.ZipFile(tmp_path / 's.zip', 'w') as archive:
@@ -183,7 +157,6 @@ class TestHostileSources:
         assert [one.student for one in read_not_collected(layout)] == ['ann']
 
     def test_links_and_pipes_in_a_folder_are_left(self, tmp_path, layout):
-        """Links and pipes in a folder are left out, and no read blocks on a pipe."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         (source / 'bob').mkdir()
         (source / 'bob' / 'talk.ipynb').symlink_to(source / 'ann' / 'talk.ipynb')
@@ -199,36 +172,29 @@ class TestHostileSources:
         )
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
-    def test_a_file_that_grows_when_unpacked_is_bounded(self, tmp_path, layout, monkeypatch):
+    def test_a_file_that_grows_when_unpacked_is_bounded(self, gather, monkeypatch):
         """The number of unpacked bytes is limited, whatever size the zip states."""
         limit(monkeypatch, file_bytes=1000)
-        source = packed(tmp_path / 's.zip', {'ann/talk.ipynb': b' ' * 100_000})
 
-        (row,) = collect(source, layout, layout.submitted)
+        (row,) = gather({'ann/talk.ipynb': b' ' * 100_000}, packed)
 
         assert row.done == LEFT
         assert 'more than' in row.notes[0]
 
-    def test_far_too_many_files_are_refused_as_a_whole(self, tmp_path, layout, monkeypatch):
-        """The error says what to try."""
+    def test_far_too_many_files_are_refused_as_a_whole(self, gather, monkeypatch):
         limit(monkeypatch, entries=2)
-        source = laid(tmp_path / 's', {f'{name}/talk.ipynb': GOOD for name in 'abc'})
 
         with pytest.raises(UnusableUploadError, match='more than 2 files'):
-            collect(source, layout, layout.submitted)
+            gather({f'{name}/talk.ipynb': GOOD for name in 'abc'})
 
     @pytest.mark.parametrize('how', [packed, laid])
-    def test_generated_files_do_not_count_towards_the_size_limit(
-        self, how, tmp_path, layout, monkeypatch
-    ):
-        """Generated files do not count, but a higher limit applies to all files."""
+    def test_generated_files_do_not_count_towards_the_size_limit(self, how, gather, monkeypatch):
         work = ('src/ros_ws/build/x', 'install/COLCON_IGNORE', 'install/x.ipynb', '.venv/a/x.py')
         files = {f'{name}/{file}': GOOD for name in ('ann', 'bob') for file in work}
         files |= {'ann/talk.ipynb': GOOD, 'ann/build/notes.txt': b'', 'cy/log/talk.ipynb': GOOD}
-        source = how(tmp_path / 's', files)
         limit(monkeypatch, entries=12)
 
-        rows = collect(source, layout, layout.submitted)
+        rows = gather(files, how)
 
         assert [(row.student, row.done) for row in rows] == [
             ('ann', TAKEN), ('bob', LEFT), ('cy', TAKEN)
@@ -236,31 +202,25 @@ class TestHostileSources:
         assert rows[1].notes == ('no file that can be read',)
         limit(monkeypatch, listed=5)
         with pytest.raises(UnusableUploadError, match='more than 5 files'):
-            collect(source, layout, layout.submitted)
+            gather(files, how)
 
     @pytest.mark.parametrize('name', ['build', 'install', 'log'])
-    def test_a_students_own_folder_is_no_programs(self, name, tmp_path, layout):
-        """A student's folder is read, even if its name is that of a folder for generated files."""
+    def test_a_students_own_folder_is_no_programs(self, name, gather):
         files = {f'{name}/COLCON_IGNORE': b'', f'{name}/talk.ipynb': GOOD, 'ann/talk.ipynb': GOOD}
 
-        rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+        assert {row.student: row.done for row in gather(files)} == {'ann': TAKEN, name: TAKEN}
 
-        assert {row.student: row.done for row in rows} == {'ann': TAKEN, name: TAKEN}
-
-    def test_a_name_of_very_many_slashes_is_left(self, tmp_path, layout):
-        name = 'ann/' + 'x/' * 30_000 + 'talk.ipynb'
-
-        (row,) = collect(packed(tmp_path / 's.zip', {name: GOOD}), layout, layout.submitted)
-
-        assert (row.done, row.notes) == (LEFT, ('a path that is far too long',))
-
-    def test_metadata_that_is_no_table_is_one_sentence(self, tmp_path, layout):
+    @pytest.mark.parametrize(
+        'text',
+        [
+            b'!!python/object/apply:os.system ["touch /tmp/evil"]',
+            b'submission_1:\n  :created_at: 2026-13-45 10:00:00\n',
+        ],
+    )
+    def test_metadata_that_is_no_table_is_one_sentence(self, text, gather):
         """YAML in a source creates no objects."""
-        text = b'!!python/object/apply:os.system ["touch /tmp/evil"]'
-        source = laid(tmp_path / 's', {'submission_metadata.yml': text, 'a/b.ipynb': GOOD})
-
         with pytest.raises(UnusableUploadError, match='not valid YAML'):
-            collect(source, layout, layout.submitted)
+            gather({'submission_metadata.yml': text, 'a/b.ipynb': GOOD})
 
     def test_a_damaged_zip_is_one_sentence(self, tmp_path, layout):
         (tmp_path / 's.zip').write_bytes(packed(tmp_path / 'g.zip', MOODLE).read_bytes()[:200])
@@ -269,13 +229,12 @@ class TestHostileSources:
             collect(tmp_path / 's.zip', layout, layout.submitted)
 
 
-def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
+def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, gather, layout):
     """The old work is kept where nbgrader and the grader do not look, and leaves with the rest."""
-    collect(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}), layout, layout.submitted)
+    gather({'ann/talk.ipynb': GOOD})
     newer = notebook('talker', text='newer')
-    laid(tmp_path / 's', {'ann/talk.ipynb': newer})
 
-    (row,) = collect(tmp_path / 's', layout, layout.submitted)
+    (row,) = gather({'ann/talk.ipynb': newer})
 
     assert row.done == REPLACED
     kept = f'ann/{TALK}/.ipynb_checkpoints/talk-replaced.ipynb'
@@ -286,25 +245,20 @@ def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
     assert row.notes == ()
 
 
-def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):
-    """``collect`` does not write through a link into files outside the course."""
+def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, gather, layout):
     layout.submitted.mkdir(parents=True)
     (tmp_path / 'elsewhere').mkdir()
     (layout.submitted / 'ann').symlink_to(tmp_path / 'elsewhere')
 
-    (row,) = collect(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}), layout, layout.submitted)
+    (row,) = gather({'ann/talk.ipynb': GOOD})
 
     assert row.done == LEFT
     assert list((tmp_path / 'elsewhere').iterdir()) == []
 
 
+@pytest.mark.usefixtures('here')
 class TestCommand:
-    @pytest.fixture(autouse=True)
-    def here(self, layout, monkeypatch):
-        monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
-
     def test_it_prints_a_table_and_tells_by_its_exit_code(self, tmp_path, layout, capsys):
-        """The exit code is 1 if a student's work was not collected."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/x.txt': b''})
 
         assert command.main(['collect', str(source)]) == FOR_REVIEW
@@ -313,7 +267,6 @@ class TestCommand:
         assert '1 not taken, 1 taken.' in said
 
     def test_a_dry_run_writes_nothing(self, tmp_path, layout, capsys):
-        """A dry run prints the same table."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--dry-run']) == OK
@@ -340,8 +293,7 @@ class TestCommand:
         write_all_reports(layout, TALK, everybody)
         write_all_reports(layout, LISTEN, everybody[1:])
         empty = laid(tmp_path / 'empty', {'ann/x.txt': b''})
-        settings = f"c.CourseDirectory.db_url = 'sqlite:///{tmp_path}/none.db'\n"
-        (layout.root / 'nbgrader_config.py').write_text(f'c = get_config()\n{settings}', 'utf-8')
+        configure(layout.root, f'sqlite:///{tmp_path}/none.db')
 
         command.main(['collect', str(empty)])
         assert (example / 'pass__example').is_dir()
@@ -355,7 +307,6 @@ class TestCommand:
         assert 'Removed the 1 example students' in capsys.readouterr().err
 
     def test_it_waits_for_no_grading(self, tmp_path, layout, capsys):
-        """``collect`` is refused during a grading run; a dry run is not."""
         source = str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))
 
         with lock_course(layout, 'a grading'):
@@ -366,7 +317,6 @@ class TestCommand:
         assert command.main(['collect', source]) == OK
 
     def test_a_prefix_is_taken_off(self, tmp_path, layout, capsys):
-        """The prefix is removed from each name, and the table reports this."""
         source = laid(tmp_path / 's', {'hw1-ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--prefix', 'hw1-']) == OK

@@ -1,14 +1,13 @@
 """Folders of students, and the names that determine how a class is read."""
 
 from collect_sources import (
-    CANVAS,
     collect,
-    EXCHANGE,
+    done,
+    every_kind,
     GOOD,
     GRADESCOPE,
     kind,
     laid,
-    layout,  # noqa: F401 - a fixture
     LISTEN,
     MOODLE,
     notes,
@@ -26,16 +25,15 @@ from autograder.submission.reading import UnusableUploadError
 
 class TestFolders:
     @pytest.mark.parametrize('how', [packed, laid])
-    def test_repositories_lose_the_name_of_the_assignment(self, how, tmp_path, layout):
-        """The assignment's name is removed, and git's own files are not collected."""
-        rows = collect(how(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
+    def test_repositories_lose_the_name_of_the_assignment(self, how, gather, layout):
+        rows = gather(REPOSITORIES, how)
 
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, 'bob': TAKEN, 'cho': LEFT}
         assert all("'talk-' was removed from the name" in row.notes for row in rows)
         assert not [path for path in layout.submitted.rglob('*') if '.git' in path.parts]
 
     @pytest.mark.parametrize('around', ['', 'ros2-week-7-submissions/'])
-    def test_repositories_of_github_classroom(self, around, tmp_path, layout):
+    def test_repositories_of_github_classroom(self, around, gather):
         """A repository with the whole course is named after the assignment and the student."""
         files = {}
         for student in ('ann-x', 'bob'):
@@ -44,9 +42,7 @@ class TestFolders:
             files[f'{name}/.github/workflows/classroom.yml'] = b'name: Autograding Tests'
             files[f'{name}/notebooks/{TALK}/talk.ipynb'] = GOOD
             files[f'{name}/notebooks/START_HERE.ipynb'] = b'{}'
-        source = laid(tmp_path / 'r', files)
-
-        rows = collect(source, layout, layout.submitted, prefix='ros2-week-7-')
+        rows = gather(files, prefix='ros2-week-7-')
 
         taken = {(row.student, row.assignment) for row in rows if row.done == TAKEN}
         assert taken == {('ann-x', TALK), ('bob', TALK)}
@@ -64,10 +60,9 @@ class TestFolders:
             'eva': ('no file that can be read',),
         }
 
-    def test_files_that_are_no_notebooks_are_in_the_table(self, tmp_path, layout):
+    def test_files_that_are_no_notebooks_are_in_the_table(self, gather):
         files = {'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1', 'd.zip': b'PK'}
-
-        rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+        rows = gather(files)
 
         assert table(rows) == {
             ('ann', 'ann.ipynb'): TAKEN,
@@ -77,17 +72,12 @@ class TestFolders:
         }
         assert notes(rows)['d.zip'][0].startswith('a zip file. Try: collect it alone if it is a')
 
-    def test_a_zip_with_a_folder_around_everything_is_a_class(self, tmp_path, layout):
-        """A zip may have one top folder, with folders or notebooks named after students."""
-        around = packed(tmp_path / 'a.zip', {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER})
-        flat = packed(tmp_path / 'b.zip', {'hw/cy.ipynb': GOOD, 'hw/dan.ipynb': GOOD})
+    def test_a_zip_with_a_folder_around_everything_is_a_class(self, gather):
+        around = {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER}
+        flat = {'hw/cy.ipynb': GOOD, 'hw/dan.ipynb': GOOD}
 
-        rows = collect(around, layout, layout.submitted)
-        rows += collect(flat, layout, layout.submitted)
-
-        assert [(row.student, row.done) for row in rows] == [
-            (name, TAKEN) for name in ('ann', 'bob', 'cy', 'dan')
-        ]
+        assert done(gather(around, packed)) == [('ann', TALK, TAKEN), ('bob', LISTEN, TAKEN)]
+        assert done(gather(flat, packed)) == [('cy', TALK, TAKEN), ('dan', TALK, TAKEN)]
 
     @pytest.mark.parametrize(
         'files',
@@ -96,18 +86,11 @@ class TestFolders:
             {f'ann/notebooks/{TALK}/talk.ipynb': GOOD, 'ann/src/listen.ipynb': OTHER},
         ],
     )
-    def test_one_students_folder_is_no_class(self, files, tmp_path, layout):
-        rows = collect(packed(tmp_path / 'a.zip', files), layout, layout.submitted)
+    def test_one_students_folder_is_no_class(self, files, gather):
+        assert done(gather(files, packed)) == [('ann', TALK, TAKEN), ('ann', LISTEN, TAKEN)]
 
-        assert [(row.student, row.assignment, row.done) for row in rows] == [
-            ('ann', TALK, TAKEN),
-            ('ann', LISTEN, TAKEN),
-        ]
-
-    def test_folders_of_assignments_are_no_students(self, tmp_path, layout):
-        files = {f'{TALK}/talk.ipynb': GOOD, f'{LISTEN}/listen.ipynb': OTHER}
-
-        rows = collect(laid(tmp_path / 'ann', files), layout, layout.submitted)
+    def test_folders_of_assignments_are_no_students(self, gather):
+        rows = gather({f'{TALK}/talk.ipynb': GOOD, f'{LISTEN}/listen.ipynb': OTHER})
 
         assert {row.done for row in rows} == {LEFT}
         assert 'collect the folder above' in rows[0].notes[0]
@@ -120,42 +103,32 @@ class TestIdsOfFolders:
         'names',
         [('2024-0001', '2024-0002'), ('smith-john', 'smith-anna'), ('talk-ann', 'talk-bob')],
     )
-    def test_what_folders_share_stays(self, names, tmp_path, layout):
-        for count, place in enumerate(('{}/talk.ipynb', f'{{}}/{TALK}/talk.ipynb')):
-            source = laid(tmp_path / str(count), {place.format(name): GOOD for name in names})
-
-            rows = collect(source, layout, layout.submitted)
+    def test_what_folders_share_stays(self, names, gather):
+        for place in ('{}/talk.ipynb', f'{{}}/{TALK}/talk.ipynb'):
+            rows = gather({place.format(name): GOOD for name in names})
 
             assert {row.student for row in rows} == set(names)
 
     @pytest.mark.parametrize('prefix', ['talk-', '03_talk-', '03-talk_', '03-Talk-', 'talk_'])
     @pytest.mark.parametrize('others', [(), ('talk-bob',), ('zoe',), ('talk-bob', 'ros2-cy')])
-    def test_a_repository_loses_an_assignment_on_every_day(self, prefix, others, tmp_path, layout):
-        """The assignment's name is removed, whatever other repositories are in the source."""
+    def test_a_repository_loses_an_assignment_on_every_day(self, prefix, others, gather):
         names = (f'{prefix}ann', *others)
-        files = {f'{name}/.git/HEAD': b'ref' for name in names}
-        files |= {f'{name}/work/talk.ipynb': GOOD for name in names}
-        files |= {f'{name}/src/x.py': b'' for name in names}
+        work = {'.git/HEAD': b'ref', 'work/talk.ipynb': GOOD, 'src/x.py': b''}
+        files = {f'{name}/{place}': data for name in names for place, data in work.items()}
 
         for how in (packed, laid):
-            rows = collect(how(tmp_path / how.__name__, files), layout, layout.submitted)
-
-            found = {row.place: row.student for row in rows}
+            found = {row.place: row.student for row in gather(files, how)}
             assert found[f'{prefix}ann'] == 'ann'
             assert found.get('ros2-cy', 'ros2-cy') == 'ros2-cy'
 
-    def test_the_longest_name_of_an_assignment_is_taken_off(self, tmp_path, layout):
-        """The longest matching assignment name is removed, but never the whole folder name."""
-        files = {'06_talk_more/talk_more.ipynb': OTHER}
-        laid(layout.notebooks, files)
+    def test_the_longest_name_of_an_assignment_is_taken_off(self, gather, layout):
+        laid(layout.notebooks, {'06_talk_more/talk_more.ipynb': OTHER})
         names = ('talk-more-ann', 'talk-bob', 'talk-', 'talkative-cy')
-        source = laid(tmp_path / 'r', {f'{name}/.git/x': b'' for name in names})
-
-        rows = collect(source, layout, layout.submitted)
+        rows = gather({f'{name}/.git/x': b'' for name in names})
 
         assert {row.student for row in rows} == {'ann', 'bob', 'talk-', 'talkative-cy'}
 
-    def test_two_repositories_of_one_student_are_not_mixed(self, tmp_path, layout):
+    def test_two_repositories_of_one_student_are_not_mixed(self, gather):
         """If a student has two repositories for one assignment, a person has to choose."""
         files = {
             'talk-ann/.git/HEAD': b'',
@@ -163,19 +136,15 @@ class TestIdsOfFolders:
             'listen-ann/.git/HEAD': b'',
             'listen-ann/listen.ipynb': OTHER,
         }
-        rows = collect(laid(tmp_path / 'r', files), layout, layout.submitted)
-        assert [(row.assignment, row.done) for row in rows] == [(TALK, TAKEN), (LISTEN, TAKEN)]
+        assert done(gather(files)) == [('ann', TALK, TAKEN), ('ann', LISTEN, TAKEN)]
 
-        both = {**files, 'listen-ann/talk.ipynb': GOOD}
-        rows = collect(laid(tmp_path / 'b', both), layout, layout.submitted)
+        rows = gather({**files, 'listen-ann/talk.ipynb': GOOD})
         assert [row.done for row in rows if row.assignment == TALK] == [LEFT, LEFT]
 
-    def test_a_prefix_is_for_folders(self, tmp_path, layout):
+    def test_a_prefix_is_for_folders(self, gather):
         """``--prefix`` is refused for platforms, which choose the names themselves."""
-        source = packed(tmp_path / 'm.zip', MOODLE)
-
         with pytest.raises(UnusableUploadError, match='these are names from moodle'):
-            collect(source, layout, layout.submitted, prefix='Li ')
+            gather(MOODLE, packed, prefix='Li ')
 
 
 class TestStudentChosenNames:
@@ -186,14 +155,11 @@ class TestStudentChosenNames:
         b'  :created_at: 2020-01-01 00:00:00 Z\n'
     )
 
-    def test_metadata_in_a_submission_is_one_of_its_files(self, tmp_path, layout):
-        """A metadata file that a student handed in is not the platform's."""
+    def test_metadata_in_a_submission_is_one_of_its_files(self, gather):
         forged = {'assignment_9_export/submission_101/submission_metadata.yml': self.FORGED}
-        source = packed(tmp_path / 'g.zip', {**forged, **GRADESCOPE})
-        honest = packed(tmp_path / 'h.zip', GRADESCOPE)
-        expected = collect(honest, layout, layout.submitted, write=False)
+        expected = gather(GRADESCOPE, packed, write=False)
 
-        assert collect(source, layout, layout.submitted, write=False) == expected
+        assert gather({**forged, **GRADESCOPE}, packed, write=False) == expected
         assert {row.student for row in expected} == {
             '1001', '1003', 'bo@example.org', 'submission_103'
         }  # fmt: skip
@@ -222,45 +188,32 @@ class TestStudentChosenNames:
         assert kind(source) == kind(honest)
         assert table(rows) == table(collect(honest, layout, layout.submitted, write=False))
 
-    def test_one_folder_of_a_class_with_the_name_of_another_system_is_a_student(
-        self, tmp_path, layout
-    ):
+    def test_one_folder_of_a_class_with_the_name_of_another_system_is_a_student(self, gather):
         """The platform that explains most of the names is chosen."""
-        files = {**REPOSITORIES, 'Vic_1_assignsubmission_file_/talk.ipynb': GOOD}
-        source = laid(tmp_path / 'r', files)
+        rows = gather({**REPOSITORIES, 'Vic_1_assignsubmission_file_/talk.ipynb': GOOD})
 
-        rows = collect(source, layout, layout.submitted)
-
-        assert kind(source) == 'folder'
-        assert len([row for row in rows if row.done == TAKEN]) == 3
+        assert [row.student for row in rows if row.done == TAKEN] == [
+            'Vic_1_assignsubmission_file_', 'ann', 'bob'
+        ]  # fmt: skip
 
     @pytest.mark.parametrize('wanted', ['', 'moodle'])
-    def test_a_single_hand_in_does_not_decide_by_what_is_in_it(self, wanted, tmp_path, layout):
-        """The folder of a single student is not read as the outer folder of a class."""
+    def test_a_single_hand_in_does_not_decide_by_what_is_in_it(self, wanted, gather):
         files = {
             'Ann_311_assignsubmission_file/Bo_312_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_file/Cy_313_assignsubmission_file/talk.ipynb': GOOD,
         }
 
-        source = packed(tmp_path / 'm.zip', files)
-
-        rows = collect(source, layout, layout.submitted, kind=wanted)
-
-        assert {row.student for row in rows} == {'Ann'}
+        assert {row.student for row in gather(files, packed, kind=wanted)} == {'Ann'}
 
 
 MACOS = {'.DS_Store': b'Bud1', '._x': b'mac'}
 
 
-@pytest.mark.parametrize(
-    'files',
-    [CANVAS, MOODLE, GRADESCOPE, EXCHANGE, REPOSITORIES],
-    ids=['canvas', 'moodle', 'gradescope', 'exchange', 'repositories'],
-)
+@every_kind
 @pytest.mark.parametrize('how', [packed, laid])
 @pytest.mark.parametrize('around', ['', 'unpacked/'])
 def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
-    files, how, around, tmp_path, layout
+    files, expected, how, around, tmp_path, layout
 ):
     again = dict(files)
     if around and not any(name.startswith(('c/', 'assignment_9')) for name in files):
@@ -277,29 +230,22 @@ def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
 
     rows = collect(source, layout, layout.submitted, write=False)
 
-    assert kind(source) == kind(plain)
+    assert kind(source) == kind(plain) == expected
     assert rows == collect(plain, layout, layout.submitted, write=False)
 
 
 class TestNamedKind:
-    """``--kind`` names the platform of the source."""
-
     @pytest.mark.parametrize('wanted', ['canvas', 'moodle', 'gradescope', 'exchange', 'folder'])
-    def test_a_source_that_is_of_another_is_refused(self, wanted, tmp_path, layout):
-        """The error shows the expected platform and the names that were found."""
-        source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
-
+    def test_a_source_that_is_of_another_is_refused(self, wanted, gather):
         with pytest.raises(UnusableUploadError) as caught:
-            collect(source, layout, layout.submitted, kind=wanted)
+            gather({'roster.csv': b'', 'grades.csv': b''}, kind=wanted)
 
         assert f'expected submissions of kind {wanted} (' in caught.value.what
         assert 'got: grades.csv, roster.csv.' in caught.value.what
 
-    def test_what_is_in_a_folder_around_everything_is_named(self, tmp_path, layout):
-        files = {f'class/{name}.pdf': b'%PDF' for name in 'abcde'}
-
+    def test_what_is_in_a_folder_around_everything_is_named(self, gather):
         with pytest.raises(UnusableUploadError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):
-            collect(laid(tmp_path / 's', files), layout, layout.submitted, kind='moodle')
+            gather({f'class/{name}.pdf': b'%PDF' for name in 'abcde'}, kind='moodle')
 
     def test_an_empty_source_is_refused(self, tmp_path, layout):
         """An empty source is refused, because it is usually the wrong folder."""
@@ -308,12 +254,9 @@ class TestNamedKind:
         with pytest.raises(UnusableUploadError, match='got: nothing'):
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
-    def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):
-        """Names of the stated platform are read, and every other name gets a row."""
+    def test_a_few_names_of_a_kind_are_enough(self, gather):
         files = {f'notes_{n}.txt': b'' for n in range(9)}
-        source = laid(tmp_path / 's', {**files, 'ann_1001_55_talk.ipynb': GOOD})
-
-        rows = collect(source, layout, layout.submitted, kind='canvas')
+        rows = gather({**files, 'ann_1001_55_talk.ipynb': GOOD}, kind='canvas')
 
         assert len(rows) == 10
         assert table(rows)['1001', 'ann_1001_55_talk.ipynb'] == TAKEN

@@ -1,14 +1,17 @@
 """Moodle: names become ids, and two people with the same name are never confused."""
 
+from functools import partial
+from unittest.mock import Mock
+
 from collect_sources import (
     GOOD,
     kind,
     laid,
-    layout,  # noqa: F401 - a fixture
     LISTEN,
     MOODLE,
     notebook,
     notes,
+    OTHER,
     packed,
     table,
     taken,
@@ -22,12 +25,18 @@ from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.errors import GraderError
 
 
+@pytest.fixture
+def gather(gather):
+    """Return the function that collects files, which trusts no name, as the command does."""
+    return partial(gather, trust_names=False)
+
+
 class TestMoodle:
     """Moodle names folders, or files, ``NAME_NUMBER_assignsubmission_file``."""
 
-    def test_names_become_ids(self, tmp_path, layout):
+    def test_names_become_ids(self, gather):
         """The name becomes the id, because the number changes with the assignment."""
-        rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+        rows = gather(MOODLE, packed)
 
         done = {row.student: row.done for row in rows}
         assert done == {'Ann Example': TAKEN, 'Bo Berg': TAKEN, 'Li Wei': LEFT, 'Dee': LEFT}
@@ -54,50 +63,43 @@ class TestMoodle:
         }
 
     @staticmethod
-    def of_moodle(path, *who: str, file: str = 'talk.ipynb', data: bytes = GOOD):
-        """Return a download with a notebook for each name."""
-        return packed(path, {f'{one}_assignsubmission_file/{file}': data for one in who})
+    def of_moodle(*who, file='talk.ipynb', data=GOOD):
+        """Return the files of a download with a notebook for each name."""
+        return {f'{one}_assignsubmission_file/{file}': data for one in who}
 
-    def test_two_of_one_name_are_not_guessed(self, tmp_path, layout):
+    LISTENERS = partial(of_moodle, file='listen.ipynb', data=OTHER)
+
+    def test_two_of_one_name_are_not_guessed(self, gather, layout):
         """Namesakes are left out, even if later only one of them hands in again."""
-        first = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Ann_311')
-        both = self.of_moodle(tmp_path / '2.zip', 'Li Wei_313', 'Li Wei_314', 'Ann_311')
-        other = notebook('listener')
-        later = self.of_moodle(
-            tmp_path / '3.zip', 'Li Wei_501', 'Ann_502', file='listen.ipynb', data=other
-        )
-        collect(first, layout, layout.submitted)
+        first = self.of_moodle('Li Wei_313', 'Ann_311')
+        both = self.of_moodle('Li Wei_313', 'Li Wei_314', 'Ann_311')
+        later = self.LISTENERS('Li Wei_501', 'Ann_502')
+        gather(first, packed)
         assert f'Li Wei/{TALK}/talk.ipynb' in taken(layout)
 
-        for source in (both, later, first):
-            rows = collect(source, layout, layout.submitted)
-            of_li = [row for row in rows if row.student == 'Li Wei']
+        for files in (both, later, first):
+            of_li = [row for row in gather(files, packed) if row.student == 'Li Wei']
             assert {row.done for row in of_li} == {LEFT}
             assert all("two people are called 'Li Wei': unpack" in row.notes[0] for row in of_li)
         assert {name.split('/')[0] for name in taken(layout)} == {'Ann', 'Li Wei'}
         assert f'Li Wei/{LISTEN}/listen.ipynb' not in taken(layout)
 
-    def test_names_of_their_own_help(self, tmp_path, layout):
-        """Namesakes are collected if their folders have different names."""
-        both = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Li Wei_314')
-        own = self.of_moodle(tmp_path / '2.zip', 'Li Wei 2024-7_313', 'Li Wei 2024-9_314')
-        collect(both, layout, layout.submitted)
+    def test_names_of_their_own_help(self, gather):
+        gather(self.of_moodle('Li Wei_313', 'Li Wei_314'), packed)
 
-        rows = collect(own, layout, layout.submitted)
+        rows = gather(self.of_moodle('Li Wei 2024-7_313', 'Li Wei 2024-9_314'), packed)
 
-        assert {row.student: row.done for row in rows} == {
-            'Li Wei 2024-7': TAKEN,
-            'Li Wei 2024-9': TAKEN,
-        }
+        assert [(row.student, row.done) for row in rows] == [
+            ('Li Wei 2024-7', TAKEN),
+            ('Li Wei 2024-9', TAKEN),
+        ]
 
-    def test_groups_are_downloaded_one_after_the_other(self, tmp_path, layout):
+    def test_groups_are_downloaded_one_after_the_other(self, gather, layout):
         """If each download has one of two namesakes, the numbers differ, so both are left out."""
-        one = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Ann_311')
-        newer = notebook('talker', text='of the other Li Wei')
-        two = self.of_moodle(tmp_path / '2.zip', 'Li Wei_314', data=newer)
-        collect(one, layout, layout.submitted)
+        gather(self.of_moodle('Li Wei_313', 'Ann_311'), packed)
 
-        (row,) = collect(two, layout, layout.submitted)
+        newer = notebook('talker', text='of the other Li Wei')
+        (row,) = gather(self.of_moodle('Li Wei_314', data=newer), packed)
 
         assert row.done == LEFT
         assert row.notes[0].startswith(
@@ -106,84 +108,70 @@ class TestMoodle:
         )
         assert taken(layout)[f'Li Wei/{TALK}/talk.ipynb'] == GOOD
 
-    def test_a_second_activity_has_new_numbers(self, tmp_path, layout):
+    def test_a_second_activity_has_new_numbers(self, gather, layout):
         """The first download can then be collected again, and one student more is not trusted."""
-        who = ('Ann', 'Bo', 'Cy', 'Dee')
-        first = self.of_moodle(tmp_path / '1.zip', *(f'{one}_{n}' for n, one in enumerate(who)))
-        second = self.of_moodle(tmp_path / '2.zip', 'Ann_20', 'Bo_21', 'New_22')
-        more = self.of_moodle(tmp_path / '3.zip', 'Ann_20', 'Bo_21', 'Cy_23')
-        for source in (first, second, first, second):
-            rows = collect(source, layout, layout.submitted)
-            assert LEFT not in {row.done for row in rows}
+        first = self.of_moodle('Ann_0', 'Bo_1', 'Cy_2', 'Dee_3')
+        second = self.of_moodle('Ann_20', 'Bo_21', 'New_22')
+        more = self.of_moodle('Ann_20', 'Bo_21', 'Cy_23')
+        for files in (first, second, first, second):
+            assert LEFT not in {row.done for row in gather(files, packed)}
 
-        rows = collect(more, layout, layout.submitted)
+        rows = gather(more, packed)
         assert [row.student for row in rows if row.done == LEFT] == ['Cy']
-        rows = collect(more, layout, layout.submitted, trust_names=True)
+        rows = gather(more, packed, trust_names=True)
         assert LEFT not in {row.done for row in rows}
         numbers = {one.student: one.number for one in read_collected(layout)}
         assert numbers == {'Ann': '0 20', 'Bo': '1 21', 'Cy': '2 23', 'Dee': '3', 'New': '22'}
 
-    def test_folders_are_renamed_only_once(self, tmp_path, layout):
+    def test_folders_are_renamed_only_once(self, gather):
         """Later downloads have the same numbers; in another lesson, the name is not enough."""
-        renamed = self.of_moodle(tmp_path / '1.zip', 'Li Wei 7_313', "O'Neil 8_314", 'Ann_311')
-        later = self.of_moodle(
-            tmp_path / '2.zip', 'Li Wei_313', "O'Neil_314", 'Ann_311', data=notebook('talker')
-        )
-        data = notebook('listener')
-        other = self.of_moodle(tmp_path / '3.zip', 'Li Wei_501', file='listen.ipynb', data=data)
-        before = {row.student for row in collect(renamed, layout, layout.submitted)}
+        renamed = self.of_moodle('Li Wei 7_313', "O'Neil 8_314", 'Ann_311')
+        later = self.of_moodle('Li Wei_313', "O'Neil_314", 'Ann_311', data=notebook('talker'))
+        before = {row.student for row in gather(renamed, packed)}
 
-        rows = collect(later, layout, layout.submitted)
+        rows = gather(later, packed)
         assert {row.student for row in rows} == before
         assert "the name was 'Li Wei'" in notes(rows)['Li Wei_313_assignsubmission_file']
-        (row,) = collect(other, layout, layout.submitted)
+        (row,) = gather(self.LISTENERS('Li Wei_501'), packed)
         assert row.notes[0].startswith("two people are called 'Li Wei': unpack the zip")
 
-    def test_another_lesson_has_other_numbers(self, tmp_path, layout):
+    def test_another_lesson_has_other_numbers(self, gather, layout):
         """A student's number differs between lessons, and a dry run saves no numbers."""
-        one = self.of_moodle(tmp_path / '1.zip', 'Ann_311', 'Bo_312')
-        two = self.of_moodle(
-            tmp_path / '2.zip', 'Ann_312', 'Bo_311', file='listen.ipynb', data=notebook('listener')
-        )
-        collect(one, layout, layout.submitted, write=False)
+        one, two = self.of_moodle('Ann_311', 'Bo_312'), self.LISTENERS('Ann_312', 'Bo_311')
+        gather(one, packed, write=False)
         assert not layout.collected.exists()
 
-        for source in (one, two):
-            rows = collect(source, layout, layout.submitted)
-            assert [row.done for row in rows] == [TAKEN, TAKEN]
+        for files in (one, two):
+            assert [row.done for row in gather(files, packed)] == [TAKEN, TAKEN]
 
-    def test_a_memory_that_is_a_link_is_called_a_link(self, tmp_path, layout):
+    def test_a_memory_that_is_a_link_is_called_a_link(self, gather, layout):
         laid(layout.work, {'real.json': b'[]'})
         layout.collected.symlink_to(layout.work / 'real.json')
 
         with pytest.raises(GraderError, match='that collect has seen, got a symbolic link'):
-            collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+            gather(MOODLE, packed)
 
-    def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
-        """The notebooks are collected, and one line says what was not saved."""
+    def test_a_memory_that_cannot_be_written_is_one_line(self, gather, layout, monkeypatch):
+        monkeypatch.setattr(
+            'autograder.classroom.tables.write_atomically',
+            Mock(side_effect=OSError(28, 'No space left on device')),
+        )
 
-        def full(*_):
-            raise OSError(28, 'No space left on device')
-
-        monkeypatch.setattr('autograder.classroom.tables.write_atomically', full)
-
-        rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+        rows = gather(MOODLE, packed)
 
         assert rows[0].place == str(layout.collected)
         what = 'names, numbers from Moodle and missing work'
         assert rows[0].notes == (f'{what} cannot be written: no space left on device',)
         assert f'Bo Berg/{TALK}/talk.ipynb' in taken(layout)
 
-    def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):
+    def test_a_file_called_like_somebody_elses_stays_its_owners(self, gather):
         """Only the first number in a file name counts, because the student chose the rest."""
         files = {
             'Ann_311_assignsubmission_file_Bo_312_assignsubmission_file_talk.ipynb': GOOD,
             'Cy_313_assignsubmission_file_talk.ipynb': GOOD,
         }
 
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
-
-        assert {row.student for row in rows} == {'Ann', 'Cy'}
+        assert {row.student for row in gather(files, packed)} == {'Ann', 'Cy'}
 
     @pytest.mark.parametrize(
         ('name', 'why'),
@@ -193,39 +181,31 @@ class TestMoodle:
             ('Ann_314', 'an online text, which is not collected'),
         ],
     )
-    def test_an_unclear_name_comes_before_a_wrong_type(self, name, why, tmp_path, layout):
+    def test_an_unclear_name_comes_before_a_wrong_type(self, name, why, gather):
         files = {
             'Li Wei_313_assignsubmission_file/talk.ipynb': GOOD,
             f'{name}_assignsubmission_onlinetext/onlinetext.html': b'<p>',
         }
 
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+        rows = gather(files, packed)
 
         assert notes(rows)[f'{name}_assignsubmission_onlinetext'][0].startswith(why)
 
-    def test_two_folders_of_one_text_are_both_in_the_table(self, tmp_path, layout):
-        files = {
-            'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
-            'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>',
-            'Ann_311_assignsubmission_onlinetext_/onlinetext.html': b'<p>',
-        }
-
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
-
-        assert {row.place for row in rows} == {name.split('/')[0] for name in files}
-        assert len(rows) == len(files)
-
-    def test_file_and_text_of_one_student_are_two_lines(self, tmp_path, layout):
+    def test_file_and_text_of_one_student_are_two_lines(self, gather):
+        """Two folders of one text are both in the table."""
         files = {
             'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>see file',
+            'Ann_311_assignsubmission_onlinetext_/onlinetext.html': b'<p>',
             'Default group_assignsubmission_file/talk.ipynb': GOOD,
         }
 
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+        rows = gather(files, packed)
 
+        assert len(rows) == len(files)
         assert table(rows) == {
             ('Ann', 'Ann_311_assignsubmission_file'): TAKEN,
             ('Ann', 'Ann_311_assignsubmission_onlinetext'): LEFT,
+            ('', 'Ann_311_assignsubmission_onlinetext_'): LEFT,
             ('', 'Default group_assignsubmission_file'): LEFT,
         }

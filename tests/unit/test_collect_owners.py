@@ -4,10 +4,10 @@ import os
 import pwd
 
 from collect_sources import (
+    configure,
     EXCHANGE,
     GOOD,
     laid,
-    layout,  # noqa: F401 - a fixture
     packed,
     taken,
     TALK,
@@ -15,40 +15,36 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
-from autograder.collect.copy_notebooks import collect
 from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.collect.owners import owner_doubt, user_name
 from autograder.commands import OK
 from autograder.errors import GraderError
-from autograder.layout import Layout
 from autograder.submission.reading import read_file
 
 ME = pwd.getpwuid(os.geteuid()).pw_name
 UNKNOWN_UID = 4_000_000_000
 
 
-def handed_in(tmp_path, student):
-    """Return an exchange with one submission of the user who runs the tests."""
-    name = f'{student}+{TALK}+2026-03-01 12:00:00 UTC+q3rYx_-a/talk.ipynb'
-    return laid(tmp_path / 'inbound', {name: GOOD})
+@pytest.fixture
+def hand_in(gather):
+    """Return a function that collects, from an exchange, work of the user who runs the tests."""
+
+    def collected(*students):
+        place = f'inbound/{{}}+{TALK}+2026-03-01 12:00:00 UTC+q3rYx_-a/talk.ipynb'
+        return gather({place.format(one): GOOD for one in students}, trust_names=False)
+
+    return collected
 
 
-def configure(layout, text):
-    """Write nbgrader's settings."""
-    layout.root.mkdir(exist_ok=True)
-    settings = "c = get_config()\nc.CourseDirectory.db_url = 'sqlite:////nowhere'\n"
-    (layout.root / 'nbgrader_config.py').write_text(settings + text, encoding='utf-8')
-
-
-def test_work_that_the_student_owns_is_taken(tmp_path, layout):
-    (row,) = collect(handed_in(tmp_path, ME), layout, layout.submitted)
+def test_work_that_the_student_owns_is_taken(hand_in):
+    (row,) = hand_in(ME)
 
     assert (row.student, row.done) == (ME, TAKEN)
 
 
-def test_work_of_another_user_is_refused_with_both_names(tmp_path, layout):
+def test_work_of_another_user_is_refused_with_both_names(hand_in, layout):
     """Work that another user owns is refused, because anyone can choose the folder's name."""
-    (row,) = collect(handed_in(tmp_path, 'ann'), layout, layout.submitted)
+    (row,) = hand_in('ann')
 
     assert row.done == LEFT
     assert row.notes[0] == (
@@ -58,53 +54,46 @@ def test_work_of_another_user_is_refused_with_both_names(tmp_path, layout):
     assert taken(layout) == {}
 
 
-def test_zip_of_an_exchange_is_refused_as_it_names_no_owner(tmp_path, layout):
-    """A zip is refused, because it does not record owners."""
-    rows = collect(packed(tmp_path / 'e.zip', EXCHANGE), layout, layout.submitted)
+def test_zip_of_an_exchange_is_refused_as_it_names_no_owner(gather):
+    rows = gather(EXCHANGE, packed, trust_names=False)
 
     assert {row.done for row in rows} == {LEFT}
     assert 'a zip does not record the owner' in rows[0].notes[0]
 
 
-def test_recorded_owner_is_accepted(tmp_path, layout):
+def test_recorded_owner_is_accepted(hand_in, layout):
     """A recorded owner is accepted where student ids differ from user names."""
-    configure(layout, f"c.ExchangeCollect.owners = {{'1001': '{ME}', '{ME}': 'somebody'}}\n")
-    source = handed_in(tmp_path, '1001')
-    laid(source, {f'{ME}+{TALK}+2026-03-01 12:00:00 UTC/talk.ipynb': GOOD})
+    owners = f"c.ExchangeCollect.owners = {{'1001': '{ME}', '{ME}': 'somebody'}}\n"
+    configure(layout.root, 'sqlite:////nowhere', owners)
 
-    rows = collect(source, layout, layout.submitted)
+    rows = hand_in('1001', ME)
 
     assert [(row.student, row.done) for row in rows] == [('1001', TAKEN), (ME, LEFT)]
 
 
-@pytest.mark.parametrize('by_setting', [True, False])
-def test_names_are_trusted_when_the_instructor_says_so(by_setting, tmp_path, layout, monkeypatch):
-    """A setting of nbgrader, or an option of the command, turns the check off."""
-    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
-    configure(layout, 'c.ExchangeCollect.check_owner = False\n' if by_setting else '')
-    options = [] if by_setting else ['--trust-names']
-
-    code = command.main(['collect', str(handed_in(tmp_path, 'ann')), *options])
-
-    assert code == OK
-    assert f'ann/{TALK}/talk.ipynb' in taken(layout)
+@pytest.mark.parametrize(
+    ('setting', 'options'),
+    [('c.ExchangeCollect.check_owner = False\n', []), ('', ['--trust-names'])],
+)
+def test_names_are_trusted_when_the_instructor_says_so(setting, options, tmp_path, here):
+    configure(here.root, 'sqlite:////nowhere', setting)
+    name = f'ann+{TALK}+2026-03-01 12:00:00 UTC/talk.ipynb'
+    assert command.main(['collect', str(laid(tmp_path / 'inbound', {name: GOOD})), *options]) == OK
+    assert f'ann/{TALK}/talk.ipynb' in taken(here)
 
 
-def test_owners_that_are_no_dictionary_are_one_sentence(tmp_path, layout):
-    """The error says what to write."""
-    configure(layout, "c.ExchangeCollect.owners = 'ann'\n")
+def test_owners_that_are_no_dictionary_are_one_sentence(hand_in, layout):
+    configure(layout.root, 'sqlite:////nowhere', "c.ExchangeCollect.owners = 'ann'\n")
 
     with pytest.raises(GraderError, match=r'owners is not a dictionary. Try: c.ExchangeCollect'):
-        collect(handed_in(tmp_path, ME), layout, layout.submitted)
+        hand_in(ME)
 
 
 def test_one_file_of_another_user_is_enough_to_refuse():
     """One file of another user is enough, because every user can write to nbgrader's folders."""
     both = {os.geteuid(), UNKNOWN_UID}
 
-    doubt = owner_doubt(ME, both, {})
-
-    assert doubt == f"handed in as '{ME}', but owned by 'uid {UNKNOWN_UID}'"
+    assert owner_doubt(ME, both, {}) == f"handed in as '{ME}', but owned by 'uid {UNKNOWN_UID}'"
     assert owner_doubt(ME, {os.geteuid()}, {}) == ''
     assert user_name(os.geteuid()) == ME
 

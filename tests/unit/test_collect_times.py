@@ -1,5 +1,6 @@
 """The times of submissions and their lateness, in the table and for a late policy."""
 
+from contextlib import closing
 from datetime import datetime, timedelta, timezone
 import os
 from pathlib import Path
@@ -7,11 +8,10 @@ import sqlite3
 import sys
 
 from collect_sources import (
-    collect,
+    configure,
     GOOD,
     GRADESCOPE,
     laid,
-    layout,  # noqa: F401 - a fixture
     notebook,
     packed,
     taken,
@@ -26,8 +26,6 @@ from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.collect.platforms import read_time
 from autograder.collect.selection import late_notes
 from autograder.commands import OK
-from autograder.layout import Layout
-from autograder.submission import inbox
 
 UNKNOWN = f'it is unknown which notebook is newer; the other one is now in {KEPT}/'
 NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
@@ -44,28 +42,21 @@ def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
 @pytest.fixture
 def gradebook(layout) -> Path:
     """Return a gradebook with columns as in nbgrader 0.9, in which all work is due at noon."""
-    return made_gradebook(layout)
-
-
-def made_gradebook(layout: Layout) -> Path:
-    """Write a gradebook, and the settings that name it."""
     layout.work.mkdir(parents=True)
     path = layout.work / 'gradebook.db'
-    settings = f"c = get_config()\nc.CourseDirectory.db_url = 'sqlite:///{path}'\n"
-    (layout.root / 'nbgrader_config.py').write_text(settings, encoding='utf-8')
-    book = sqlite3.connect(path)
-    book.executescript(f"""
-        create table assignment (id varchar(32), name varchar(128), duedate datetime);
-        create table submitted_assignment (
-            id varchar(32), assignment_id varchar(32), student_id varchar(128),
-            timestamp datetime, extension datetime);
-        insert into assignment values ('a1', '{TALK}', '2026-03-01 12:00:00.000000');
-        insert into assignment values ('a2', '04_listen', null);
-        insert into submitted_assignment values ('s1', 'a1', 'eve', null, null);
-        insert into submitted_assignment values
-            ('s2', 'a1', 'dan', null, '1970-01-02 00:00:00.000000');
-    """)
-    book.close()
+    configure(layout.root, f'sqlite:///{path}')
+    with closing(sqlite3.connect(path)) as book:
+        book.executescript(f"""
+            create table assignment (id varchar(32), name varchar(128), duedate datetime);
+            create table submitted_assignment (
+                id varchar(32), assignment_id varchar(32), student_id varchar(128),
+                timestamp datetime, extension datetime);
+            insert into assignment values ('a1', '{TALK}', '2026-03-01 12:00:00.000000');
+            insert into assignment values ('a2', '04_listen', null);
+            insert into submitted_assignment values ('s1', 'a1', 'eve', null, null);
+            insert into submitted_assignment values
+                ('s2', 'a1', 'dan', null, '1970-01-02 00:00:00.000000');
+        """)
     return path
 
 
@@ -119,28 +110,23 @@ class TestReading:
         ],
     )
     def test_lateness_is_reported_to_the_minute(self, late, words):
-        """The lateness is rounded to minutes and shown in days, hours and minutes."""
         assert late_notes('', NOON + late, NOON) == (words,)
         assert late_notes('Canvas', NOON + late, NOON) == (words,)
         assert late_notes('', NOON, NOON) == ()
 
 
-class TestExchange:
-    def test_the_time_is_kept_and_shown(self, tmp_path, layout):
-        """The time is saved in UTC and shown to the minute."""
-        source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 +0100'))
+def test_time_of_an_exchange_is_kept_and_shown(gather, layout):
+    (row,) = gather(inbound('2026-03-01 12:34:56.789012 +0100'))
 
-        (row,) = collect(source, layout, layout.submitted)
-
-        assert (row.done, row.handed_in) == (TAKEN, '2026-03-01 11:34')
-        assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 11:34:56 UTC\n'
+    assert (row.done, row.handed_in) == (TAKEN, '2026-03-01 11:34')
+    assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 11:34:56 UTC\n'
 
 
 class TestStampBesideANotebook:
     """The stamp ``STUDENT/ASSIGNMENT/timestamp.txt``, which nbgrader's collect writes."""
 
     @pytest.mark.parametrize('how', [packed, laid])
-    def test_it_is_kept(self, how, tmp_path, layout):
+    def test_it_is_kept(self, how, gather, layout):
         files = {
             f'ann/{TALK}/talk.ipynb': GOOD,
             f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:34:56.789012 UTC',
@@ -149,101 +135,81 @@ class TestStampBesideANotebook:
             f'bob/{TALK}/timestamp.txt': b'2026-03-01 12:34:56 MEZ',
         }
 
-        rows = collect(how(tmp_path / 's.zip', files), layout, layout.submitted)
+        rows = gather(files, how)
 
         assert [row.handed_in for row in rows] == ['2026-03-01 12:34', '', '']
         assert rows[0].notes == (f'time from {TALK}/timestamp.txt',)
         assert rows[2].notes == ('time zone MEZ not understood, ignored',)
-        stamp = taken(layout)[f'ann/{TALK}/timestamp.txt']
-        assert stamp == b'2026-03-01 12:34:56 UTC\n'
+        assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 12:34:56 UTC\n'
         assert [name for name in taken(layout) if name.endswith('.txt')] == [
             f'ann/{TALK}/timestamp.txt'
         ]
 
-    def test_one_of_a_student_counts_for_nothing_else(self, tmp_path, layout):
-        files = {
-            **GRADESCOPE,
-            'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00',
-        }
+    def test_one_of_a_student_counts_for_nothing_else(self, gather, layout):
+        own = {'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00'}
 
-        collect(packed(tmp_path / 'g.zip', files), layout, layout.submitted)
+        gather({**GRADESCOPE, **own}, packed)
 
         assert b'2026-03-01' in taken(layout)[f'1001/{TALK}/timestamp.txt']
 
-    def test_in_a_repository_it_is_the_students_own(self, tmp_path, layout):
-        """In a repository the stamp does not count, because the student can write it."""
-        for n, git in enumerate(('.git/HEAD', '.gitignore')):
-            files = {
-                f'ann/{git}': b'',
-                f'ann/{TALK}/talk.ipynb': GOOD,
-                f'ann/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
-            }
+    @pytest.mark.parametrize(
+        ('folder', 'git', 'note'),
+        [
+            # In a repository, the student can write the stamp.
+            ('ann', 'ann/.git/HEAD', 'timestamp.txt ignored: in a repository'),
+            ('ann', 'ann/.gitignore', 'timestamp.txt ignored: in a repository'),
+            # nbgrader writes no stamp into this folder.
+            ('ann/notebooks', '', ''),
+        ],
+    )
+    def test_in_other_folders_it_does_not_count(self, folder, git, note, gather, layout):
+        files = {f'{folder}/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC'}
+        files |= {f'{folder}/{TALK}/talk.ipynb': GOOD, **({git: b''} if git else {})}
 
-            (row,) = collect(laid(tmp_path / str(n), files), layout, layout.submitted)
+        (row,) = gather(files)
 
-            assert row.handed_in == ''
-            assert row.notes[0].startswith('timestamp.txt ignored: in a repository')
+        assert row.handed_in == ''
+        assert row.notes[0].startswith(note) if note else row.notes == ()
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
-
-    def test_elsewhere_it_is_some_file(self, tmp_path, layout):
-        """A stamp counts only in the folder in which nbgrader writes it."""
-        files = {
-            f'ann/notebooks/{TALK}/talk.ipynb': GOOD,
-            f'ann/notebooks/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
-        }
-
-        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
-
-        assert (row.handed_in, row.notes) == ('', ())
 
 
 class TestOlderWork:
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
-    def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
-        """The row of the older work reports this, even in a dry run."""
-        monday = laid(tmp_path / 'monday', inbound(self.MONDAY))
-        tuesday = laid(tmp_path / 'tuesday', inbound(self.TUESDAY))
-        collect(tuesday, layout, layout.submitted)
+    def test_it_replaces_nothing_that_is_newer(self, gather, layout):
+        gather(inbound(self.TUESDAY))
         before = taken(layout)
 
         for write in (False, True):
-            (row,) = collect(monday, layout, layout.submitted, write=write)
-            assert (row.done, row.notes[0]) == (
-                LEFT,
-                'older than the collected one from 2026-03-03 12:00',
-            )
+            (row,) = gather(inbound(self.MONDAY), write=write)
+            assert row.done == LEFT
+            assert row.notes[0] == 'older than the collected one from 2026-03-03 12:00'
         assert taken(layout) == before
 
-    def test_newer_work_replaces_it(self, tmp_path, layout):
-        collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
+    def test_newer_work_replaces_it(self, gather, layout):
+        gather(inbound(self.MONDAY))
 
-        (row,) = collect(laid(tmp_path / 't', inbound(self.TUESDAY)), layout, layout.submitted)
+        (row,) = gather(inbound(self.TUESDAY))
 
         assert (row.done, row.notes) == (REPLACED, ())
         assert b'2026-03-03' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
-    def test_the_same_work_keeps_the_time_of_the_last_hand_in(self, tmp_path, layout):
-        """Work that was handed in twice keeps the later time."""
-        place = f'ann+{TALK}+{{}}+x/talk.ipynb'
-        tuesday = laid(tmp_path / 't', {place.format(self.TUESDAY): GOOD})
-        collect(tuesday, layout, layout.submitted)
+    def test_the_same_work_keeps_the_time_of_the_last_hand_in(self, gather, layout):
+        gather({f'ann+{TALK}+{self.TUESDAY}+x/talk.ipynb': GOOD})
         before = taken(layout)
 
-        monday = laid(tmp_path / 'm', {place.format(self.MONDAY): GOOD})
-        (row,) = collect(monday, layout, layout.submitted)
+        (row,) = gather({f'ann+{TALK}+{self.MONDAY}+x/talk.ipynb': GOOD})
 
         assert (row.done, row.notes) == (UNCHANGED, ('handed in again later',))
         assert taken(layout) == before
 
     @pytest.mark.parametrize('there', [None, b'soon', b'\xff'])
-    def test_without_a_time_nobody_knows(self, there, tmp_path, layout):
-        """If the saved work has no valid time, new work replaces it and its row says why."""
+    def test_without_a_time_nobody_knows(self, there, gather, layout):
         laid(layout.submitted, {f'ann/{TALK}/talk.ipynb': notebook('talker', text='there')})
         if there is not None:
             laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': there})
 
-        (row,) = collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
+        (row,) = gather(inbound(self.MONDAY))
 
         assert (row.done, row.notes) == (REPLACED, (UNKNOWN,))
         assert b'2026-03-02' in taken(layout)[f'ann/{TALK}/timestamp.txt']
@@ -252,47 +218,35 @@ class TestOlderWork:
 class TestStaleTime:
     """A saved time belongs only to the notebook next to it."""
 
-    def test_newer_work_without_a_time_loses_the_old_one(self, tmp_path, layout):
+    def test_newer_work_without_a_time_loses_the_old_one(self, gather, layout):
         """The old time is removed; otherwise late work would seem to be on time."""
-        collect(
-            laid(tmp_path / 'inbound', inbound('2026-03-01 12:00:00 UTC')),
-            layout,
-            layout.submitted,
-        )
-        newer = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
+        gather(inbound('2026-03-01 12:00:00 UTC'))
 
-        dry = collect(newer, layout, layout.submitted, write=False)
-        assert f'ann/{TALK}/timestamp.txt' in taken(layout)
-        rows = collect(newer, layout, layout.submitted)
-
-        assert [row.done for row in dry] == [row.done for row in rows] == [REPLACED]
-        removed = 'the time of the replaced notebook, 2026-03-01 12:00, was removed'
-        assert rows[0].notes == dry[0].notes == (f'{UNKNOWN}; {removed}',)
+        for write in (False, True):
+            assert f'ann/{TALK}/timestamp.txt' in taken(layout)
+            (row,) = gather({'ann/talk.ipynb': GOOD}, write=write)
+            removed = 'the time of the replaced notebook, 2026-03-01 12:00, was removed'
+            assert (row.done, row.notes) == (REPLACED, (f'{UNKNOWN}; {removed}',))
+        old = notebook('talker', text='2026-03-01 12:00:00 UTC')
         assert taken(layout) == {
-            f'ann/{TALK}/{KEPT}/talk-replaced.ipynb': notebook(
-                'talker', text='2026-03-01 12:00:00 UTC'
-            ),
+            f'ann/{TALK}/{KEPT}/talk-replaced.ipynb': old,
             f'ann/{TALK}/talk.ipynb': GOOD,
         }
-        assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
+        assert [row.done for row in gather({'ann/talk.ipynb': GOOD})] == [UNCHANGED]
 
-    def test_the_same_work_keeps_its_time(self, tmp_path, layout):
+    def test_the_same_work_keeps_its_time(self, gather, layout):
         """Work that has not changed keeps its time, which a person may have written."""
-        source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
-        collect(source, layout, layout.submitted)
+        gather({'ann/talk.ipynb': GOOD})
         laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:00:00 UTC\n'})
 
-        (row,) = collect(source, layout, layout.submitted)
+        (row,) = gather({'ann/talk.ipynb': GOOD})
 
         assert row.done == UNCHANGED
         assert f'ann/{TALK}/timestamp.txt' in taken(layout)
 
 
 class TestDueDates:
-    """The due dates are those of the gradebook."""
-
-    def test_late_work_is_reported(self, tmp_path, layout, gradebook):
-        """The lateness takes each student's extension into account."""
+    def test_late_work_is_reported(self, gather, gradebook):
         late = '2026-03-01 14:05:30.000000 UTC'
         files = {
             **inbound('2026-03-01 11:59:59.999999 UTC', student='bob'),
@@ -301,38 +255,31 @@ class TestDueDates:
             **inbound(late, student='eve'),
         }
 
-        rows = collect(laid(tmp_path / 'inbound', files), layout, layout.submitted)
-
-        assert {row.student: row.notes for row in rows} == {
+        assert {row.student: row.notes for row in gather(files)} == {
             'ann': ('late by 2 h 5 min',),
             'bob': (),
             'dan': (),
             'eve': ('late by 2 h 5 min',),
         }
 
-    def test_looking_makes_no_gradebook_and_changes_none(self, tmp_path, layout, gradebook):
-        source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
+    def test_looking_makes_no_gradebook_and_changes_none(self, gather, gradebook):
         before = gradebook.read_bytes()
-        collect(source, layout, layout.submitted)
+        gather(inbound('2026-03-01 14:00:00 UTC'))
         assert gradebook.read_bytes() == before
         gradebook.unlink()
 
-        (row,) = collect(source, layout, layout.submitted)
+        (row,) = gather(inbound('2026-03-01 14:00:00 UTC'))
 
         assert row.notes == ()
         assert not gradebook.exists()
 
-    def test_a_damaged_gradebook_is_one_line(self, tmp_path, layout, gradebook):
-        """The work is collected, and one line names the damaged gradebook."""
+    def test_a_damaged_gradebook_is_one_line(self, gather, gradebook):
         gradebook.write_bytes(b'SQLite format 3\x00' + b'\xff' * 4096)
-        source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
-
-        rows = collect(source, layout, layout.submitted)
+        rows = gather(inbound('2026-03-01 14:00:00 UTC'))
 
         assert [row.done for row in rows] == ['not taken', TAKEN]
-        assert (
-            rows[0].notes[0].startswith('due dates unknown, because the gradebook cannot be read')
-        )
+        unknown = 'due dates unknown, because the gradebook cannot be read'
+        assert rows[0].notes[0].startswith(unknown)
 
     def test_nbgrader_is_not_imported(self, tmp_path, layout, gradebook):
         """Collecting does not import nbgrader, which takes seconds."""
@@ -361,8 +308,7 @@ class TestDueDates:
         assert found.of('ann', '04_listen') is None
 
 
-def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys):
-    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+def test_the_table_has_the_time(tmp_path, here, gradebook, capsys):
     source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:05:30.000000 UTC'))
 
     assert command.main(['collect', str(source), '--trust-names']) == OK
@@ -370,4 +316,3 @@ def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys
     assert 'Handed in' in said
     assert '2026-03-01 14:05' in said
     assert 'late by 2 h 5 min' in said
-    assert inbox.STAMP == 'timestamp.txt'

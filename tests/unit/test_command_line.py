@@ -9,8 +9,11 @@ import signal
 import subprocess
 import sys
 from types import SimpleNamespace
+from unittest.mock import Mock
 
+from collect_sources import laid
 import pytest
+from rich.console import Console
 
 from autograder import __main__ as command
 from autograder.commands import grade as grading
@@ -18,7 +21,7 @@ from autograder.commands import OK
 from autograder.commands.grade import submitted_folder
 from autograder.commands.run import exams_named
 from autograder.errors import SandboxUnavailable
-from autograder.exam import catalog
+from autograder.exam import catalog, inputs
 from autograder.layout import Layout
 from autograder.sandboxes import choose
 from autograder.sandboxes.sandbox import Sandbox
@@ -30,26 +33,25 @@ def undisturbed(monkeypatch):
     monkeypatch.setattr(grading, 'lock_course', lambda *_: nullcontext())
 
 
-def test_a_missing_folder_is_named(tmp_path, capsys):
-    """A missing folder gives one line and exit code 2."""
-    code = command.main(['grade', '--submitted', str(tmp_path / 'nowhere')])
-
-    assert code == command.USAGE
-    assert 'nowhere: there is no such folder.' in capsys.readouterr().err
-
-
-def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
-    arguments = ['grade', '--submitted', str(tmp_path), '--assignment', '07_temprature_monitor']
-
-    assert command.main(arguments) == command.USAGE
-    assert 'Did you mean 07_temperature_monitor?' in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ('options', 'said'),
+    [
+        (['--submitted', 'nowhere'], 'nowhere: there is no such folder.'),
+        (['--assignment', '07_temprature_monitor'], 'Did you mean 07_temperature_monitor?'),
+        # A cluster would ignore the options of one machine.
+        (['--cluster', 'tcp://127.0.0.1:1', '--jobs', '3'], '--jobs 3'),
+        (['--cluster', 'tcp://127.0.0.1:1', '--allow-weak', 'none'], '--allow-weak'),
+    ],
+)
+def test_options_of_grade_that_cannot_be_used_are_named(options, said, tmp_path, capsys):
+    assert command.main(['grade', '--submitted', str(tmp_path), *options]) == command.USAGE
+    assert said in capsys.readouterr().err
 
 
 def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch):
-    def refuse():
-        raise SandboxUnavailable('No bubblewrap.', 'Install it.')
-
-    monkeypatch.setattr(choose, 'strongest', refuse)
+    monkeypatch.setattr(
+        choose, 'strongest', Mock(side_effect=SandboxUnavailable('No bubblewrap.', 'Install it.'))
+    )
 
     assert command.main(['grade', '--submitted', str(tmp_path)]) == command.USAGE
     assert 'No bubblewrap. Install it.' in capsys.readouterr().err
@@ -66,7 +68,6 @@ def test_a_check_that_cannot_run_says_so_as_data(tmp_path, capsys):
 
 
 def one_line(captured):
-    """Return the only line on standard error."""
     (line,) = captured.err.splitlines()
     return line
 
@@ -74,8 +75,6 @@ def one_line(captured):
 @pytest.fixture
 def no_place_to_write(tmp_path, monkeypatch):
     """Put the secret where even root cannot create a folder."""
-    from autograder.exam import inputs
-
     (tmp_path / 'file').write_text('x')
     monkeypatch.delenv('COURSE_SECRET', raising=False)
     monkeypatch.setattr(Layout, 'secret', tmp_path / 'file' / 'course_secret')
@@ -88,8 +87,6 @@ def no_place_to_write(tmp_path, monkeypatch):
 def test_a_folder_that_cannot_be_written_is_one_line(
     how, no_place_to_write, tmp_path, capsys, monkeypatch
 ):
-    from autograder.exam import inputs
-
     monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
     monkeypatch.setattr(catalog, 'for_assignment', lambda *_, **__: inputs.course_secret())
     monkeypatch.setattr(catalog, 'load', lambda *_, **__: inputs.course_secret())
@@ -104,12 +101,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 
 
 def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
-    """A system error without a file, such as a full disk, gives one line."""
-
-    def refuse(*_, **__):
-        raise OSError(28, 'No space left on device')
-
-    monkeypatch.setattr(catalog, 'load', refuse)
+    monkeypatch.setattr(catalog, 'load', Mock(side_effect=OSError(28, 'No space left on device')))
 
     assert command.main(['check', 'a', '--files', str(tmp_path)]) == command.USAGE
     assert one_line(capsys.readouterr()).startswith(
@@ -118,9 +110,8 @@ def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys
 
 
 def test_the_first_of_two_assignments_with_one_short_name_counts(tmp_path, monkeypatch):
-    for name in ('01_topics', '02_topics'):
-        (tmp_path / 'notebooks' / name).mkdir(parents=True)
-        (tmp_path / 'notebooks' / name / 'topics.ipynb').touch()
+    places = [f'notebooks/{name}/topics.ipynb' for name in ('01_topics', '02_topics')]
+    laid(tmp_path, dict.fromkeys(places, b''))
     exams = {'01_topics': (SimpleNamespace(name='a'),), '02_topics': (SimpleNamespace(name='b'),)}
     monkeypatch.setattr(catalog, 'for_assignment', lambda name, hidden: exams[name])
 
@@ -130,7 +121,6 @@ def test_the_first_of_two_assignments_with_one_short_name_counts(tmp_path, monke
 
 @pytest.mark.parametrize('options', [[], ['--visible', '--json']])
 def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, monkeypatch):
-    """The line says what is missing and which command to try."""
     from environment.ros import ros_environment
 
     (tmp_path / 'temp_publisher.py').write_text('x = 1')
@@ -148,14 +138,9 @@ def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, m
 
 
 def test_a_python_without_the_packages_is_one_line(tmp_path):
-    """A Python without the packages, as with -S, gives one line."""
+    argv = [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)]
     root = Path(command.__file__).parents[1]
-    done = subprocess.run(
-        [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)],
-        cwd=root,
-        capture_output=True,
-        text=True,
-    )
+    done = subprocess.run(argv, cwd=root, capture_output=True, text=True)
 
     assert done.returncode == command.USAGE
     (line,) = done.stderr.splitlines()
@@ -165,11 +150,13 @@ def test_a_python_without_the_packages_is_one_line(tmp_path):
 
 def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
     """A missing module of the grader keeps its traceback: a different Python would not help."""
-
-    def refuse(*_, **__):
-        raise ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
-
-    monkeypatch.setattr(catalog, 'load', refuse)
+    monkeypatch.setattr(
+        catalog,
+        'load',
+        Mock(
+            side_effect=ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
+        ),
+    )
 
     with pytest.raises(ModuleNotFoundError):
         command.main(['check', 'a', '--files', str(tmp_path)])
@@ -179,14 +166,12 @@ class TestCheckWithoutTheFile:
     """If ``check`` reads a folder, its messages name files, not cells."""
 
     def check(self, folder, *options):
-        """Run the check of the publisher on a folder."""
         options = ('--visible', *options)
         return command.main(['check', 'temperature_publisher', '--files', str(folder), *options])
 
     def test_the_line_names_the_folder_the_file_and_what_is_there(self, tmp_path, capsys):
         """The line names the folder, which is often the wrong one."""
-        (tmp_path / 'package.xml').write_text('x')
-        (tmp_path / 'temp_publsher.py').write_text('x')
+        laid(tmp_path, {'package.xml': b'x', 'temp_publsher.py': b'x'})
 
         assert self.check(tmp_path) == command.USAGE
 
@@ -196,19 +181,15 @@ class TestCheckWithoutTheFile:
         assert one_line(captured) == line
         assert captured.out == ''
 
-    def test_an_empty_folder_has_nothing(self, tmp_path, capsys):
+    @pytest.mark.parametrize(
+        ('files', 'said'),
+        [(0, 'expected temp_publisher.py, got no package files.'), (20, 'a07.py and 12 more.')],
+    )
+    def test_the_line_names_at_most_a_few_files(self, files, said, tmp_path, capsys):
+        laid(tmp_path, {f'a{number:02}.py': b'x' for number in range(files)})
+
         assert self.check(tmp_path) == command.USAGE
-
-        line = one_line(capsys.readouterr())
-        assert line.endswith('expected temp_publisher.py, got no package files.')
-
-    def test_of_a_large_folder_only_the_first_files_are_named(self, tmp_path, capsys):
-        for number in range(20):
-            (tmp_path / f'a{number:02}.py').write_text('x')
-
-        self.check(tmp_path)
-
-        assert 'a07.py and 12 more.' in one_line(capsys.readouterr())
+        assert one_line(capsys.readouterr()).endswith(said)
 
     def test_as_data_it_is_a_failed_check_about_a_file(self, tmp_path, capsys, monkeypatch):
         monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
@@ -226,7 +207,6 @@ class TestCheckWithoutTheFile:
 
 @pytest.mark.parametrize('jobs', ['0', '-1', 'many', '1.5'])
 def test_jobs_are_a_positive_number(jobs, capsys):
-    """The error says which values are valid."""
     with pytest.raises(SystemExit) as stopped:
         command.main(['grade', '--jobs', jobs])
 
@@ -235,7 +215,6 @@ def test_jobs_are_a_positive_number(jobs, capsys):
 
 
 def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
-    """The class has a folder per student, and in it a folder per lesson."""
     assert command.main(['sample-class', '--to', str(tmp_path / 'class')]) == OK
 
     names = {path.name for path in (tmp_path / 'class').iterdir()}
@@ -247,8 +226,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
     notebooks[0].unlink()
     arguments = ['sample-class', '--to', str(tmp_path / 'class')]
     assert command.main(arguments) == command.USAGE
-    said = capsys.readouterr().err
-    assert f'{notebooks[-1]}: this file already exists. Try: --force' in said
+    assert f'{notebooks[-1]}: this file already exists. Try: --force' in capsys.readouterr().err
     assert (notebooks[-1].read_bytes(), notebooks[0].exists()) == (b'my own', False)
 
     assert command.main([*arguments, '--force']) == OK
@@ -257,9 +235,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
 
 def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, capsys):
     """The sample class is refused in a real class, whose gradebook would get its marks."""
-    folder = tmp_path / 'ann' / Layout.here().assignments()[0]
-    folder.mkdir(parents=True)
-    (folder / 'mine.ipynb').write_text('{}')
+    laid(tmp_path / 'ann' / Layout.here().assignments()[0], {'mine.ipynb': b'{}'})
     monkeypatch.setattr(Layout, 'submitted', tmp_path)
 
     assert command.main(['sample-class']) == command.USAGE
@@ -267,49 +243,28 @@ def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, 
     assert [path.name for path in tmp_path.iterdir()] == ['ann']
 
 
-def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):
-    from rich.console import Console
+@pytest.fixture
+def elsewhere(tmp_path, monkeypatch):
+    """Return this course, with empty folders for submissions and reports."""
+    monkeypatch.setattr(Layout, 'submitted', tmp_path / 'submitted')
+    monkeypatch.setattr(Layout, 'reports', tmp_path / 'reports')
+    return Layout.here()
 
-    layout = Layout.here()
 
-    class Elsewhere(Layout):
-        submitted = tmp_path / 'submitted'
-        reports = tmp_path / 'reports'
-
-    console = Console()
-    elsewhere = Elsewhere(layout.root)
-    submitted_folder(elsewhere, None, console)
+def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(elsewhere, capsys):
+    submitted_folder(elsewhere, None, Console())
     assert 'example submissions' in capsys.readouterr().out
 
-    submitted_folder(elsewhere, None, console)
+    submitted_folder(elsewhere, None, Console())
     assert capsys.readouterr().out == ''
 
 
-def test_sample_students_never_follow_a_class(tmp_path):
-    """If a class was graded before, an empty folder gets no samples."""
-    from rich.console import Console
-
-    class Elsewhere(Layout):
-        submitted = tmp_path / 'submitted'
-        reports = tmp_path / 'reports'
-
-    Elsewhere.reports.mkdir()
+def test_sample_students_never_follow_a_class(elsewhere):
+    elsewhere.reports.mkdir()
     with pytest.raises(grading.UsageError, match=r'nothing to grade\. Try: .* collect SOURCE'):
-        submitted_folder(Elsewhere(Layout.here().root), None, Console())
+        submitted_folder(elsewhere, None, Console())
 
-    assert not Elsewhere.submitted.exists()
-
-
-@pytest.mark.parametrize(
-    ('options', 'named'),
-    [(['--jobs', '3'], '--jobs 3'), (['--allow-weak', 'none'], '--allow-weak')],
-)
-def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, capsys):
-    """Options of one machine are refused with ``--cluster``, which would ignore them."""
-    argv = ['grade', '--submitted', str(tmp_path), '--cluster', 'tcp://127.0.0.1:1', *options]
-
-    assert command.main(argv) == command.USAGE
-    assert named in capsys.readouterr().err
+    assert not elsewhere.submitted.exists()
 
 
 @pytest.mark.parametrize(
@@ -320,12 +275,7 @@ def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, cap
     ],
 )
 def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
-    """Only a grading run without ``--fresh`` promises to continue where it stopped."""
-
-    def stop(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Layout, 'here', stop)
+    monkeypatch.setattr(Layout, 'here', Mock(side_effect=KeyboardInterrupt))
 
     assert command.main(argv) == command.STOPPED
     assert said in capsys.readouterr().err
@@ -333,8 +283,6 @@ def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, monkeypatch):
-    """A stopped run has its own exit code, and says how to continue, without a traceback."""
-
     def stopped(*_):
         signal.raise_signal(number)
         while True:
@@ -369,8 +317,6 @@ def test_starting_imports_neither_nbgrader_nor_ros():
 
 
 def test_what_the_gradebook_refuses_is_reported_of_every_assignment(monkeypatch):
-    """Each assignment is named, and a reason that all share is printed once."""
-
     def refuses(_, assignment):
         return [], 'no server.' if assignment == '09' else f'{assignment}: cells.'
 

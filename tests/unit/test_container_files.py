@@ -12,12 +12,12 @@ ROOT = Path(__file__).parents[2]
 CONTAINER = ROOT / 'deploy' / 'container'
 PROFILE = CONTAINER / 'grader.json'
 BEFORE_A_RULE, END = ',\n\t\t{', '\n\t]\n}'
+COMPOSE = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
 DOCKERS = '536529b665dd0972c37bfb569f5d4ac8a53592e7b00752bc39ff063ca9864c74'
 """SHA-256 of Docker's profile."""
 
 
 def own_rule() -> dict[str, Any]:
-    """Return the rule that the profile adds to Docker's profile."""
     return json.loads(PROFILE.read_text(encoding='utf-8'))['syscalls'][-1]
 
 
@@ -31,9 +31,7 @@ def test_profile_is_that_of_docker_and_one_more_rule() -> None:
 
 
 def test_paths_and_stages_exist() -> None:
-    """Compose and the development container name the Dockerfile and a stage that it has."""
-    compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
-    build = compose['build']
+    build = COMPOSE['build']
     assert (CONTAINER / build['context'] / build['dockerfile']).samefile(CONTAINER / 'Dockerfile')
     folder = ROOT / '.devcontainer'
     described = json.loads((folder / 'devcontainer.json').read_text())['build']
@@ -50,12 +48,10 @@ def test_documentation_names_the_same_calls() -> None:
 
 
 def test_the_workflow_starts_the_image_as_compose_does() -> None:
-    """The workflow tests the image with the options that a class uses."""
-    compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
     workflow = yaml.safe_load((ROOT / '.github' / 'workflows' / 'image.yml').read_text())
     steps = [step.get('run', '') for step in workflow['jobs']['image']['steps']]
     start = next(step for step in steps if 'docker run' in step)
-    options = [one.removesuffix(':true') for one in compose['security_opt']]
+    options = [one.removesuffix(':true') for one in COMPOSE['security_opt']]
     assert re.findall(r'--security-opt (\S+)', start) == options
-    assert re.findall(r'--cap-drop (\S+)', start) == compose['cap_drop']
-    assert re.findall(r'--shm-size (\S+)', start) == [compose['shm_size']]
+    assert re.findall(r'--cap-drop (\S+)', start) == COMPOSE['cap_drop']
+    assert re.findall(r'--shm-size (\S+)', start) == [COMPOSE['shm_size']]

@@ -5,6 +5,7 @@ from pathlib import Path
 import subprocess
 import sys
 
+from collect_sources import laid
 import pytest
 
 from autograder.classroom.course_lock import lock_course
@@ -34,16 +35,12 @@ def held(root):
 
 def create_leftover_files(layout):
     """Create one file that a killed run leaves, and two files of other programs; return all."""
-    folder = layout.reports / '01_talker'
-    folder.mkdir(parents=True)
-    files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'class.html']
-    for file in files:
-        file.write_text('', encoding='utf-8')
-    return files
+    names = f'.results.json.{"0f" * 16}', '.hidden', 'class.html'
+    folder = laid(layout.reports / '01_talker', dict.fromkeys(names, b''))
+    return [folder / name for name in names]
 
 
 def test_a_second_grading_names_the_first_one(tmp_path):
-    """A second run is refused and names the first; it can start once the first has ended."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         with pytest.raises(GraderError, match=f'a grading since .*, process {first.pid}'):
@@ -87,7 +84,6 @@ def test_unfinished_file_of_a_running_process_is_kept(tmp_path, monkeypatch):
 
 
 def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
-    """A run that ended normally leaves nothing, so the next one does not search."""
     layout = Layout(tmp_path)
     with lock_course(layout, 'a grading'):
         pass

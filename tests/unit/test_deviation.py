@@ -1,7 +1,9 @@
 """Find the event that makes a check fail, from the check or by shortening the recording."""
 
+import pytest
+
 from autograder.exam.exam import Check, Failed, Run
-from autograder.judging.deviation import deviation
+from autograder.judging.judge import deviation
 from autograder.recording import header, Recording
 
 
@@ -32,65 +34,49 @@ def enough(run):
         raise Failed(expected='at most 2', observed='more')
 
 
-def test_check_that_goes_through_the_events_gives_up_at_one():
-    """The first event that fails the check is the deviation; later events do not change it."""
-    found = where(all_small, message(1, 1), message(2, 9), message(3, 9), message(4, 1))
-
-    assert (found.index, found.how) == (1, 'cut')
+def named(run):
+    raise Failed(expected='a', observed='b', at=2 * 10**9)
 
 
-def test_a_check_may_name_the_moment():
-    def named(run):
-        raise Failed(expected='a', observed='b', at=2 * 10**9)
-
-    found = where(named, message(1, 1), message(2, 9), message(3, 9))
-
-    assert (found.index, found.how) == (1, 'named')
+def last(run):
+    raise Failed(expected='60', observed=f'{len(run.recording.messages("/t"))}')
 
 
-def test_else_the_shortest_beginning_with_the_same_words_counts():
-    """The deviation is the last event of the shortest run that fails with the same message."""
-    found = where(enough, *(message(second, 1) for second in range(10)))
-
-    assert (found.index, found.how) == (2, 'cut')
+def never(run):
+    """Fail with the same words for every recording."""
+    raise Failed(expected='60', observed='the run ended before')
 
 
-def test_what_is_missing_is_shown_by_the_whole_run_only():
-    """A missing message has no event: until the end of the run, it could still arrive."""
-
-    def last(run):
-        count = len(run.recording.messages('/t'))
-        raise Failed(expected='60', observed=f'{count}')
-
-    found = where(last, message(1, 1), message(2, 1))
-
-    assert (found.index, found.how) == (1, 'end')
+def brittle(run):
+    """Fail if the recording is long enough, or else break."""
+    assert run.recording.messages('/t')[3]
+    raise Failed(expected='a', observed='b')
 
 
-def test_a_run_that_broke_off_deviates_where_it_ended():
-    """A run that broke off deviates at its end, not before its first message."""
+BROKEN_OFF = ({'event': 'end', 'clock_ns': 9, 'reason': 'student_exited'}, END[1])
 
-    def never(run):
-        raise Failed(expected='60', observed='the run ended before')
 
-    broken = {'event': 'end', 'clock_ns': 9, 'reason': 'student_exited'}
-    found = where(never, message(1, 1), message(2, 1), end=(broken, END[1]))
+@pytest.mark.parametrize(
+    ('judge', 'values', 'end', 'place'),
+    [
+        pytest.param(all_small, [1, 9, 9, 1], END, (1, 'cut'), id='at the first wrong event'),
+        pytest.param(named, [1, 9, 9], END, (1, 'named'), id='at the moment of the check'),
+        pytest.param(enough, [1] * 10, END, (2, 'cut'), id='where the words are the same'),
+        # Until the end of the run, a missing message could still arrive.
+        pytest.param(last, [1, 1], END, (1, 'end'), id='what is missing has no event'),
+        pytest.param(never, [1, 1], BROKEN_OFF, (2, 'ended'), id='where a run broke off'),
+    ],
+)
+def test_deviation_is_the_event_that_makes_the_check_fail(judge, values, end, place):
+    found = where(judge, *(message(one, value) for one, value in enumerate(values, 1)), end=end)
 
-    assert (found.index, found.how) == (2, 'ended')
+    assert (found.index, found.how) == place
 
 
 def test_a_check_that_passes_or_looks_at_files_has_no_moment():
-    """A check that passes, or that reads files, has no deviation."""
     assert where(all_small, message(1, 1)) is None
     assert where(enough, *(message(1, 1) for _ in range(5)), static=True) is None
 
 
 def test_a_check_that_cannot_bear_half_a_recording_is_asked_no_more():
-    def brittle(run):
-        found = run.recording.messages('/t')
-        assert found[3]
-        raise Failed(expected='a', observed='b')
-
-    found = where(brittle, *(message(second, 1) for second in range(8)))
-
-    assert found.index == 3
+    assert where(brittle, *(message(second, 1) for second in range(8))).index == 3

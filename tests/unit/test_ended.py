@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from autograder.exam.exam import Run
-from autograder.exam.names import Names
+from autograder.exam.scenario import Names
 from autograder.exam.specification import each, Specification
 from autograder.judging.causes import ended as causes
 from autograder.recording import Recording
@@ -14,13 +14,14 @@ from autograder.runs.program import PACKAGE_LIMITS
 from autograder.runs.watchdog import BUSY_S
 from autograder.sandboxes.confinement import Limits
 
+ANSWERED = {'event': 'asked', 'node': '/n', 'answered': True}
 TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
 
 
-def run(*events, nodes=('/n',), endpoints=(), **process):
+def run(*events, nodes=('/n',), endpoints=(), files=None, **process):
     graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
     last = {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process}
-    return Run({'temp_publisher.py': ''}, Recording({}, (*events, graph, last)))
+    return Run(files or {'temp_publisher.py': ''}, Recording({}, (*events, graph, last)))
 
 
 def end(topic=TOPIC, kind='publisher', type_name=TYPE):
@@ -36,32 +37,6 @@ def traceback(line, error):
     )
 
 
-def test_absolute_name_is_distinguished_from_a_slip():
-    """A topic outside the namespace has the correct name with an extra leading slash."""
-    seen = run(endpoints=[end('/reading')], nodes=('/lab/n',))
-
-    found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
-
-    assert found.cause_id == 'absolute_name'
-    assert 'outside the namespace /lab' in found.text
-    assert "'reading'" in found.try_this
-
-
-def test_topics_that_come_with_a_node_are_no_slip():
-    """The topics that every lifecycle node has are not misspelt topics."""
-    seen = run(endpoints=[end('/n/transition_event'), end('/rosout')])
-
-    assert causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE).cause_id == 'no_endpoint'
-
-
-def test_another_topic_of_the_exam_is_no_slip():
-    """A node that uses only one of two topics has not misspelt the other one."""
-    names = Names(published={'/speed': TYPE, '/turn': TYPE})
-    seen = replace(run(endpoints=[end('/speed')]), facts={'exam_names': names})
-
-    assert causes.why_no_endpoint(seen, 'publisher', '/turn', TYPE).cause_id == 'no_endpoint'
-
-
 @pytest.mark.parametrize(
     ('seen', 'cause_id', 'words'),
     [
@@ -69,6 +44,12 @@ def test_another_topic_of_the_exam_is_no_slip():
         (run(endpoints=[end(type_name='std_msgs/msg/String')]), 'wrong_type', 'std_msgs/msg/Str'),
         (run(endpoints=[end(kind='subscription')]), 'wrong_direction', 'not a publisher'),
         (run(), 'no_endpoint', 'creates no publisher'),
+        # Every lifecycle node has these topics.
+        (
+            run(endpoints=[end('/n/transition_event'), end('/rosout')]),
+            'no_endpoint',
+            'creates no publisher',
+        ),
         (run(nodes=(), exit=0), 'exited_early', 'ended by itself'),
         (run(nodes=(), exit=139), 'died', 'exit code 139'),
         (run(nodes=(), killed='memory_limit'), 'memory_limit', '1 GiB'),
@@ -76,7 +57,6 @@ def test_another_topic_of_the_exam_is_no_slip():
     ids=lambda value: value if isinstance(value, str) and '_' in value else '',
 )
 def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
-    """The cause names the existing endpoint that is most similar."""
     found = causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE)
 
     assert found.cause_id == cause_id
@@ -85,18 +65,46 @@ def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
 
 
 @pytest.mark.parametrize(
-    ('error', 'cause_id'),
+    ('topic', 'cause_id', 'words'),
     [
-        ('NotImplementedError: write the callback', 'not_started'),
-        ('ZeroDivisionError: float division by zero', 'exception'),
+        # A topic outside the namespace has the correct name with an extra leading slash.
+        ('/reading', 'absolute_name', 'outside the namespace /lab'),
+        ('/lab/readings', 'topic_name', 'did you mean'),
     ],
 )
-def test_exception_is_named_with_its_line(error, cause_id):
+def test_topic_in_a_namespace_is_answered_with_the_relative_name(topic, cause_id, words):
+    """The code needs only the last part, because the command line sets the namespace."""
+    seen = run(endpoints=[end(topic)], nodes=('/lab/n',))
+
+    found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
+
+    assert found.cause_id == cause_id
+    assert words in found.text
+    assert "'reading'" in found.try_this
+
+
+def test_another_topic_of_the_exam_is_no_slip():
+    names = Names(published={'/speed': TYPE, '/turn': TYPE})
+    seen = replace(run(endpoints=[end('/speed')]), facts={'exam_names': names})
+
+    assert causes.why_no_endpoint(seen, 'publisher', '/turn', TYPE).cause_id == 'no_endpoint'
+
+
+@pytest.mark.parametrize(
+    ('error', 'cause_id', 'line'),
+    [
+        ('NotImplementedError: write the callback', 'not_started', 7),
+        ('ZeroDivisionError: float division by zero', 'exception', 7),
+        # rclpy reports what a transition callback returns, which has no line.
+        ("AttributeError: 'NoneType' object has no attribute 'to_label'", 'no_return', None),
+        ("AttributeError: 'bool' object has no attribute 'to_label'", 'wrong_return', None),
+    ],
+)
+def test_exception_is_named_with_its_line(error, cause_id, line):
     """The line number is counted in the learner's file."""
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
 
-    assert found.cause_id == cause_id
-    assert found.line == 7
+    assert (found.cause_id, found.line) == (cause_id, line)
 
 
 @pytest.mark.parametrize(
@@ -114,37 +122,23 @@ def test_end_explains_only_what_is_missing_at_the_end(place, short, explains):
     assert (found is not None and found.cause_id == 'exception') is explains
 
 
-def test_node_that_never_answers_was_never_spun():
-    seen = run({'event': 'asked', 'node': '/n', 'answered': False}, endpoints=[end()])
+@pytest.mark.parametrize(
+    ('answers', 'cause_id', 'words'),
+    [
+        ({'/n': False}, 'never_spun', ''),
+        ({'/n': True}, None, ''),
+        ({'/n': False, '/helper': True}, 'other_node_spun', 'spins the node helper but not n'),
+        ({'/n': True, '/helper': False}, None, ''),
+    ],
+    ids=['never spun', 'alive', 'only the helper is spun', 'helper that nobody spins'],
+)
+def test_silence_is_explained_by_the_nodes_that_answer(answers, cause_id, words):
+    asked = [{'event': 'asked', 'node': one, 'answered': said} for one, said in answers.items()]
 
-    assert causes.why_silent(seen).cause_id == 'never_spun'
+    found = causes.why_silent(run(*asked, nodes=sorted(answers), endpoints=[end()]))
 
-
-def test_living_silent_node_gets_no_invented_cause():
-    seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
-
-    assert causes.why_silent(seen) is None
-
-
-def test_slip_in_a_namespace_is_answered_with_the_relative_name():
-    """The code needs only the last part, because the command line sets the namespace."""
-    seen = run(endpoints=[end('/lab/readings')], nodes=('/lab/n',))
-
-    found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
-
-    assert found.cause_id == 'topic_name'
-    assert "'reading'" in found.try_this
-
-
-@pytest.mark.parametrize(('kind', 'cause'), [('NoneType', 'no_return'), ('bool', 'wrong_return')])
-def test_what_a_transition_callback_returns_is_reported(kind, cause):
-    """A missing return value and a wrong one have different causes."""
-    error = f"AttributeError: '{kind}' object has no attribute 'to_label'"
-
-    found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
-
-    assert found is not None
-    assert found.cause_id == cause
+    assert (found and found.cause_id) == cause_id
+    assert found is None or words in found.text
 
 
 def test_parameter_of_another_type_is_reported_without_its_value():
@@ -160,37 +154,30 @@ def test_parameter_of_another_type_is_reported_without_its_value():
     assert '1.87' not in found.text
 
 
+SPIN = 'def main():\n    rclpy.spin(node)\n\n\n'
+ONCE = 'def main():\n    rclpy.spin_once(node)\n\n\n'
+CALL = "if __name__ == '__main__':\n    main()\n"
+
+
 @pytest.mark.parametrize(
     ('code', 'cause_id'),
     [
-        (
-            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    pass\n",
-            'main_not_called',
-        ),
-        (
-            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    main\n",
-            'main_not_called',
-        ),
-        (
-            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == 'main':\n    main()\n",
-            'main_not_called',
-        ),
+        (f"{SPIN}if __name__ == '__main__':\n    pass\n", 'main_not_called'),
+        (f"{SPIN}if __name__ == '__main__':\n    main\n", 'main_not_called'),
+        (f"{SPIN}if __name__ == 'main':\n    main()\n", 'main_not_called'),
         ('def main():\n    node = Talker()\n\n\nmain()\n', 'no_spin'),
-        ('def main():\n    rclpy.spin_once(node)\n\n\nmain()\n', 'spins_once'),
-        ('def main():\n    rclpy.spin(node)\n\n\nmain()\n', 'exited_early'),
-        ('async def main():\n    rclpy.spin(node)\n\n\nasyncio.run(main())\n', 'exited_early'),
-        ('def main():\n    rclpy.spin(node)\n\n\nrun = main\nrun()\n', 'exited_early'),
-        (
-            "def main():\n    rclpy.spin_once(node)\n\n\nif __name__ == 'x':\n    pass\n"
-            "if __name__ == '__main__':\n    main()\n",
-            'spins_once',
-        ),
+        ('def main():\n    # The pattern with rclpy.spin.\n    Talker()\n\n\nmain()\n', 'no_spin'),
+        (f'{ONCE}main()\n', 'spins_once'),
+        (f"{ONCE}if __name__ == 'x':\n    pass\n{CALL}", 'spins_once'),
+        (f'{SPIN}main()\n', 'exited_early'),
+        (f'async {SPIN}asyncio.run(main())\n', 'exited_early'),
+        (f'{SPIN}run = main\nrun()\n', 'exited_early'),
     ],
 )
 def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_id):
-    seen = run(nodes=(), exit=0)
+    ended = run(nodes=(), exit=0, files={'talker.py': code})
 
-    assert causes.why_it_ended(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
+    assert causes.why_it_ended(ended).cause_id == cause_id
 
 
 @pytest.mark.parametrize(
@@ -217,55 +204,37 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
 )
 def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, words):
     """If a program ends in a callback, its node was spun, so no spin is missing."""
-    seen = run({'event': 'graph', 'when': 'start', 'nodes': ['/n'], 'endpoints': []}, exit=0)
+    start = {'event': 'graph', 'when': 'start', 'nodes': ['/n'], 'endpoints': []}
 
-    found = causes.why_it_ended(Run({'n.py': code}, seen.recording))
+    found = causes.why_it_ended(run(start, exit=0, files={'n.py': code}))
 
     assert found.cause_id == cause_id
     assert words in found.text
 
 
-def test_comment_about_spinning_spins_nothing():
-    """A comment about spinning, as in the lesson's own files, is not a call."""
-    code = 'def main():\n    # The pattern with rclpy.spin for a node.\n    Talker()\n\n\nmain()\n'
-
-    found = causes.why_it_ended(Run({'n.py': code}, run(nodes=(), exit=0).recording))
-
-    assert found.cause_id == 'no_spin'
-
-
 def test_entry_point_calls_main():
-    files = {'n.py': 'def main():\n    rclpy.spin(n)\n', 'setup.py': "['talker = a.n:main']"}
+    ended = run(nodes=(), exit=0, files={'n.py': SPIN, 'setup.py': "['talker = a.n:main']"})
 
-    found = causes.why_it_ended(Run(files, run(nodes=(), exit=0).recording))
-
-    assert found.cause_id == 'exited_early'
+    assert causes.why_it_ended(ended).cause_id == 'exited_early'
 
 
-def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
-    code = 'node = Talker()\nnode.destroy_node()\nrclpy.spin(node)\n'
-    seen = run(nodes=())
-
-    found = causes.why_no_node(Run({'talker.py': code}, seen.recording), '/talker')
-
-    assert found.cause_id == 'destroyed_early'
-
-
-@pytest.mark.parametrize('line', ['rclpy.init(domain_id=7)', "os.environ['ROS_DOMAIN_ID'] = '7'"])
-def test_node_in_a_domain_that_the_program_chooses_is_unseen(line):
-    found = causes.why_no_node(
-        Run({'n.py': f"{line}\nNode('n')\n"}, run(nodes=()).recording), '/n'
-    )
-
-    assert found.cause_id == 'other_domain'
+@pytest.mark.parametrize(
+    ('code', 'cause_id'),
+    [
+        ("node = Node('n')\nnode.destroy_node()\nrclpy.spin(node)\n", 'destroyed_early'),
+        ("rclpy.init(domain_id=7)\nNode('n')\n", 'other_domain'),
+        ("os.environ['ROS_DOMAIN_ID'] = '7'\nNode('n')\n", 'other_domain'),
+    ],
+)
+def test_missing_node_is_explained_by_the_code(code, cause_id):
+    assert causes.why_no_node(run(nodes=(), files={'n.py': code}), '/n').cause_id == cause_id
 
 
 def test_node_that_could_not_be_seen_is_not_called_missing():
     """If the node may have been missed, the cause says what was seen and how to investigate."""
     code = "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
-    seen = run(nodes=())
 
-    found = causes.why_no_node(Run({'talker.py': code}, seen.recording), '/talker')
+    found = causes.why_no_node(run(nodes=(), files={'talker.py': code}), '/talker')
 
     assert 'does not appear' in found.text
     assert 'nodes()' in found.try_this
@@ -275,34 +244,11 @@ def test_node_that_could_not_be_seen_is_not_called_missing():
 def test_period_in_milliseconds_is_reported(period):
     """A period in milliseconds is reported, because the first call is minutes away."""
     code = f'PERIOD_MS = 500\nself.create_timer({period}, self.speak)\n'
-    seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
 
-    found = causes.why_silent(Run({'talker.py': code}, seen.recording))
+    found = causes.why_silent(run(ANSWERED, endpoints=[end()], files={'talker.py': code}))
 
     assert found.cause_id == 'period_unit'
     assert 'seconds' in found.text
-
-
-def test_node_that_is_not_spun_beside_one_that_is_explains_silence():
-    asked = [
-        {'event': 'asked', 'node': '/n', 'answered': False},
-        {'event': 'asked', 'node': '/helper', 'answered': True},
-    ]
-    seen = run(*asked, nodes=('/helper', '/n'), endpoints=[end()])
-
-    found = causes.why_silent(seen)
-
-    assert found.cause_id == 'other_node_spun'
-    assert 'spins the node helper but not n' in found.text
-
-
-def test_helper_that_nobody_spins_explains_nothing():
-    asked = [
-        {'event': 'asked', 'node': '/n', 'answered': True},
-        {'event': 'asked', 'node': '/helper', 'answered': False},
-    ]
-
-    assert causes.why_silent(run(*asked, nodes=('/helper', '/n'), endpoints=[end()])) is None
 
 
 @pytest.mark.parametrize(
@@ -319,10 +265,9 @@ def test_helper_that_nobody_spins_explains_nothing():
     ],
 )
 def test_silence_is_explained_by_what_the_code_lacks(code, cause_id):
-    """The cause names what the code lacks, or else says how to investigate."""
-    seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
+    seen = run(ANSWERED, endpoints=[end()], files={'talker.py': code})
 
-    assert causes.why_no_message(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
+    assert causes.why_no_message(seen).cause_id == cause_id
 
 
 def test_without_a_cause_it_is_said_how_to_look():
@@ -344,7 +289,6 @@ def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
 
 @pytest.mark.parametrize(('package', 'limits'), [('', Limits()), ('thermo', PACKAGE_LIMITS)])
 def test_shown_limits_are_the_enforced_ones(package, limits):
-    """The limits in the messages are those of the sandbox; a build has more processor time."""
     ended = {
         kind: causes.why_it_ended(Run({}, run(killed=kind).recording, {'package': package})).text
         for kind in causes.LIMITS

@@ -33,7 +33,6 @@ def places(tmp_path):
 
 
 def test_python_is_kept(places):
-    """The path of Python is saved in the variables of CMake's FindPython3."""
     assert keep(places)
 
     lines = (places.cmake / 'known' / 'python.cmake').read_text().splitlines()
@@ -90,7 +89,6 @@ def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
 
 
 def test_headers_that_do_not_compile_leave_nothing(places, header):
-    """If the headers do not compile, builds read the sources; the other notes are kept."""
     header.write_text('#include "not_there.hpp"\n')
 
     assert keep(places)

@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 import sys
 
+from collect_sources import laid
 import pytest
 
 from environment import doctor, interpreters, stamps, system
@@ -14,23 +15,30 @@ from environment.plan import Plan
 from environment.ros import ros_environment, RosEnvironment
 
 
-def test_line_ok_has_no_fix():
+def test_line_names_the_fix_of_what_is_missing():
     line = doctor.Finding('make', doctor.OK, 'GNU Make', 'install it').line()
+    missing = doctor.Finding(
+        'make', doctor.MISSING, 'not installed', 'apt-get install make'
+    ).line()
 
     assert line.split() == ['ok', 'make', 'GNU', 'Make']
+    assert missing.startswith('missing ')
+    assert missing.endswith('-> apt-get install make')
 
 
-def test_line_missing_names_the_fix():
-    line = doctor.Finding('make', doctor.MISSING, 'not installed', 'apt-get install make').line()
+@pytest.fixture
+def course(tmp_path):
+    """Return a function that makes a course with a package, without its environment."""
 
-    assert line.startswith('missing ')
-    assert line.endswith('-> apt-get install make')
+    def made(package):
+        laid(tmp_path, {'course.toml': f'package = {package!r}\n'.encode()})
+        return Places.of('.venv', tmp_path)
+
+    return made
 
 
-def test_findings_nothing_prepared_names_every_requirement(tmp_path):
-    """In a fresh clone, every requirement has a line, and each missing one has a command."""
-    (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
-    found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
+def test_findings_nothing_prepared_names_every_requirement(course):
+    found = list(doctor.findings(course('temp_monitor_pkg'), os.environ))
 
     names = {finding.name for finding in found}
     assert {'python', 'venv', 'C++ compiler', 'cmake', 'isolation', 'rclpy'} <= names
@@ -44,9 +52,8 @@ def test_findings_nothing_prepared_names_every_requirement(tmp_path):
     ('package', 'detail'),
     [('doors_msgs', 'programs: none'), ('', 'the course has none')],
 )
-def test_package_of_messages_only_is_complete(tmp_path, package, detail):
-    (tmp_path / 'course.toml').write_text(f"package = '{package}'\n")
-    places = Places.of('.venv', tmp_path)
+def test_package_of_messages_only_is_complete(course, package, detail):
+    places = course(package)
     places.prefix.mkdir(parents=True)
     places.notes.mkdir()
     stamps.stamp_of(places.notes, 'workspace').write_text('done')
@@ -55,12 +62,9 @@ def test_package_of_messages_only_is_complete(tmp_path, package, detail):
     assert (found.state, found.detail) == (doctor.OK, detail)
 
 
-def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
-    (tmp_path / 'course.toml').write_text("package = 'doors'\n")
-    source = tmp_path / 'doors' / 'door.py'
-    source.parent.mkdir()
-    source.write_text('OPEN = 1')
-    places = Places.of('.venv', tmp_path)
+def test_stale_build_of_the_package_is_weak_with_its_fix(course, monkeypatch):
+    places = course('doors')
+    laid(places.project, {'doors/door.py': b'OPEN = 1'})
     places.prefix.mkdir(parents=True)
     python = interpreters.probe(sys.executable, os.environ)
     ros = RosEnvironment('wheels', sys.executable, {}, {}, (), '')
@@ -75,41 +79,29 @@ def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
         return next(one.line() for one in doctor.findings(places, {}) if one.name == 'doors')
 
     assert line().startswith('ok ')
-    source.write_text('OPEN = 2')
+    laid(places.project, {'doors/door.py': b'OPEN = 2'})
     assert line().startswith('weak ')
     assert line().endswith('packages have changed since the build  -> make prepare')
 
 
-def test_check_python_none_found_says_what_to_install():
-    """If no Python is found, the line says how to install one."""
-    finding = doctor.check_python(None, None)
-
-    assert finding.state == doctor.MISSING
-    assert 'python3-venv' in finding.fix
-
-
-def test_check_python_incomplete_names_the_package():
+def test_check_python_says_what_to_install():
     """Debian's Python without headers lacks only one package."""
     this = interpreters.probe(sys.executable, os.environ)
-    bare = interpreters.Interpreter(
-        **{**vars(this), 'path': '/usr/bin/python3.12', 'release': '3.12.3', 'has_headers': False}
-    )
+    bare = replace(this, path='/usr/bin/python3.12', release='3.12.3', has_headers=False)
+    none, incomplete = doctor.check_python(None, None), doctor.check_python(bare, None)
 
-    finding = doctor.check_python(bare, None)
-
-    assert finding.state == doctor.MISSING
-    assert finding.fix == 'sudo apt-get install -y python3.12-dev'
+    assert (none.state, incomplete.state) == (doctor.MISSING, doctor.MISSING)
+    assert 'python3-venv' in none.fix
+    assert incomplete.fix == 'sudo apt-get install -y python3.12-dev'
 
 
 def test_check_packages_wrong_version_is_missing(tmp_path):
-    """A package with a wrong version is named with both versions."""
     site = tmp_path / '.venv' / 'lib' / 'python3.12' / 'site-packages'
     pins = pins_module.pins_for(LOCK_FILE.read_text(), '3.12')
     for name, version in pins.items():
-        info = site / f'{name}-{version}.dist-info'
-        info.mkdir(parents=True)
         shown = '0.1' if name == 'ruff' else version
-        (info / 'METADATA').write_text(f'Metadata-Version: 2.1\nName: {name}\nVersion: {shown}\n')
+        text = f'Metadata-Version: 2.1\nName: {name}\nVersion: {shown}\n'
+        laid(site, {f'{name}-{version}.dist-info/METADATA': text.encode()})
 
     found = list(doctor.check_packages(Places.of('.venv', tmp_path), '3.12', ros=True))
 
@@ -144,7 +136,6 @@ def test_closed_shared_memory_is_missing_with_the_command_that_opens_it(monkeypa
     ],
 )
 def test_command_to_type_is_one_line_of_the_system(have, expected, monkeypatch):
-    """One command of this system's package manager installs everything that is missing."""
     tools = [tool for tool in system.TOOLS if tool.command in ('g++', 'bwrap')]
 
     monkeypatch.setattr(system.shutil, 'which', lambda name: name if name == have else None)

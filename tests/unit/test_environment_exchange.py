@@ -21,7 +21,6 @@ def exchange(tmp_path):
 
 
 def mode(path):
-    """Return the mode of a folder."""
     return stat.S_IMODE(path.stat().st_mode)
 
 

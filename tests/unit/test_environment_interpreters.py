@@ -7,6 +7,7 @@ from pathlib import Path
 import subprocess
 import sys
 
+from collect_sources import laid
 import pytest
 
 from environment import interpreters
@@ -82,12 +83,10 @@ def test_probe_broken_shim_gives_none(tmp_path, script):
 
 
 def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
-    """If a shim fails, the Python that pyenv has installed is still found."""
     shims = tmp_path / 'shims'
     real = tmp_path / 'pyenv' / 'versions' / '3.12.1' / 'bin'
-    for folder in (shims, real):
-        folder.mkdir(parents=True)
-    (shims / 'python3.12').write_text('#!/bin/sh\nexit 127\n')
+    real.mkdir(parents=True)
+    laid(shims, {'python3.12': b'#!/bin/sh\nexit 127\n'})
     (shims / 'python3.12').chmod(0o755)
     expected = fake_python(real, 'python3.12')
 
@@ -128,7 +127,6 @@ def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
 
 
 def test_one_in_usr_local_hides_no_other(monkeypatch):
-    """Two interpreters with the same name are both tried."""
     monkeypatch.setattr(interpreters.shutil, 'which', lambda name, path=None: f'{path}/{name}')
 
     found = list(interpreters.candidates({'PATH': '/usr/local/bin'}))

@@ -26,12 +26,10 @@ def test_lock_has_digests_and_no_addresses_or_paths():
 
 
 def test_lock_every_line_is_an_exact_pin():
-    """Every line is name==version, with a marker that the set-up can read."""
     for line in PINS:
         assert pins_module.PIN.match(line), line
         marker = line.partition(';')[2].partition('--hash')[0]
-        words = re.sub(pins_module.PYTHON, '', marker).split()
-        assert set(words) <= {'or'}, line
+        assert set(re.sub(pins_module.PYTHON, '', marker).split()) <= {'or'}, line
 
 
 def test_lock_is_what_render_writes():
@@ -45,7 +43,6 @@ def test_lock_is_what_render_writes():
 
 @pytest.mark.parametrize('python', PREFERRED)
 def test_lock_has_every_direct_requirement(python):
-    """Each package of requirements.in is pinned for each Python, at the requested version."""
     pins = pins_module.pins_for(TEXT, python)
     for line in LOCK_FILE.with_suffix('.in').read_text(encoding='utf-8').splitlines():
         match = re.match(r'([A-Za-z0-9._-]+)(?:\[.*\])?(?:==(\S+))?\s*(;.*)?$', line)
@@ -81,7 +78,6 @@ def test_pins_for_sourced_leaves_ros_and_numpy_out():
 
 
 def test_merge_different_versions_get_markers():
-    """Pythons with the same version of a package share a line; a marker names them."""
     pins = {
         '3.10': {'a': '1', 'b': '1', 'c': '1', 'e': '1'},
         '3.11': {'a': '1', 'b': '2', 'c': '2'},
@@ -106,20 +102,17 @@ def test_merge_different_versions_get_markers():
 
 
 def test_pins_of_report_uses_one_spelling():
-    """All spellings of a name become one, and packages that are omitted on purpose are dropped."""
     named = (('Jinja2', '3.1.6'), ('jupyter_client', '8.10.0'))
     left_out = (('lark-parser', '0.12.0'), ('rfc3987-syntax', '1.1.0'))
-    report = {
-        'install': [
-            {
-                'metadata': {'name': name, 'version': version},
-                'download_info': {'archive_info': {'hashes': {'sha256': f'of {name}'}}},
-            }
-            for name, version in (*named, *left_out)
-        ]
-    }
+    installed = [
+        {
+            'metadata': {'name': name, 'version': version},
+            'download_info': {'archive_info': {'hashes': {'sha256': f'of {name}'}}},
+        }
+        for name, version in (*named, *left_out)
+    ]
 
-    pins, digests = lock.pins_of_report(report)
+    pins, digests = lock.pins_of_report({'install': installed})
     assert pins == {'jinja2': '3.1.6', 'jupyter-client': '8.10.0'}
     assert digests == {
         'jinja2==3.1.6': 'of Jinja2',
@@ -128,7 +121,6 @@ def test_pins_of_report_uses_one_spelling():
 
 
 def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
-    """Each Python gets the digest of its wheel, and the marker precedes the digests."""
     one, two = 'a' * 64, 'b' * 64
     line = 'x==1 ; python_version == "3.11"'
     (whole,) = lock.with_digests([line], [{'x==1': two}, {'x==1': one}, {'x==1': two}])
@@ -142,10 +134,7 @@ def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
 def test_oldest_of_each_takes_the_oldest_patch_release():
     """Newer patch releases can install what the oldest one resolves."""
     this = interpreters.probe(sys.executable, os.environ)
-    found = [
-        replace(this, release=release) for release in ('3.11.7', '3.11.10', '3.11.2', '3.12.1')
-    ]
+    releases = '3.11.7', '3.11.10', '3.11.2', '3.12.1'
+    found = [replace(this, release=release) for release in releases]
 
-    chosen = lock.oldest_of_each(found)
-
-    assert [item.release for item in chosen] == ['3.11.2', '3.12.1']
+    assert [item.release for item in lock.oldest_of_each(found)] == ['3.11.2', '3.12.1']

@@ -7,8 +7,9 @@ import re
 import subprocess
 import sys
 import sysconfig
-from zipfile import ZipFile
+from unittest.mock import Mock
 
+from collect_sources import laid, packed
 import pytest
 
 from environment import interpreters, messages, stamps
@@ -102,24 +103,23 @@ class SetUp:
         self.places.notes.mkdir()
         with_pip = sysconfig.get_path('purelib')
         (self.places.site_packages() / 'pip.pth').write_text(with_pip, encoding='utf-8')
-        alone = {
-            'PIP_NO_INDEX': '1',
-            'PIP_FIND_LINKS': str(self.wheels),
-            'PIP_CONFIG_FILE': os.devnull,
-        }
+        alone = {'PIP_NO_INDEX': '1', 'PIP_FIND_LINKS': str(self.wheels)}
+        alone |= {'PIP_CONFIG_FILE': os.devnull}
         python = interpreters.probe(sys.executable, os.environ)
         self.plan = Plan(self.places, {**os.environ, **alone}, 'wheels', python)
 
     def wheel(self, name: str, *requires: str) -> None:
-        module = name.removeprefix('ros-').replace('-', '_')
-        info = f'{name.replace("-", "_")}-1.0.dist-info'
+        whole = name.replace('-', '_')
+        info = f'{whole}-1.0.dist-info'
         metadata = ['Metadata-Version: 2.1', f'Name: {name}', 'Version: 1.0']
         metadata += [f'Requires-Dist: {one}' for one in requires]
-        with ZipFile(self.wheels / f'{name.replace("-", "_")}-1.0-py3-none-any.whl', 'w') as file:
-            file.writestr(f'{module}/__init__.py', '')
-            file.writestr(f'{info}/METADATA', '\n'.join(metadata))
-            file.writestr(f'{info}/WHEEL', 'Wheel-Version: 1.0\nTag: py3-none-any\n')
-            file.writestr(f'{info}/RECORD', '')
+        files = {
+            f'{whole.removeprefix("ros_")}/__init__.py': b'',
+            f'{info}/METADATA': '\n'.join(metadata).encode(),
+            f'{info}/WHEEL': b'Wheel-Version: 1.0\nTag: py3-none-any\n',
+            f'{info}/RECORD': b'',
+        }
+        packed(self.wheels / f'{whole}-1.0-py3-none-any.whl', files)
 
     def go(self, text: str) -> None:
         self.file.write_text(text, encoding='utf-8')
@@ -133,14 +133,14 @@ class SetUp:
 
 @pytest.fixture
 def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
-    return SetUp(tmp_path, monkeypatch)
+    """Return a set-up with the wheels of two packages, one of which uses the other."""
+    made = SetUp(tmp_path, monkeypatch)
+    made.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
+    made.wheel('ros-base-msgs')
+    return made
 
 
 def test_named_packages_are_installed_and_others_removed(set_up):
-    """The note lists the version of each package and of the packages that it uses."""
-    set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
-    set_up.wheel('ros-base-msgs')
-
     set_up.go('ros-toy-msgs==1.0\nros-base-msgs==1.0\n')
 
     assert set_up.modules == {'toy_msgs', 'base_msgs'}
@@ -155,9 +155,6 @@ def test_named_packages_are_installed_and_others_removed(set_up):
 
 
 def test_refused_file_installs_nothing(set_up):
-    """Packages that were already installed are kept."""
-    set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
-    set_up.wheel('ros-base-msgs')
     set_up.go('ros-base-msgs==1.0\n')
 
     for line, said in {
@@ -173,14 +170,9 @@ def test_refused_file_installs_nothing(set_up):
 
 def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypatch):
     """Without a note, an installed wheel would remain in the environment unnoticed."""
-    set_up.wheel('ros-toy-msgs')
-
-    def stopped(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(messages, '_closure', stopped)
+    monkeypatch.setattr(messages, '_closure', Mock(side_effect=KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
-        set_up.go('ros-toy-msgs==1.0\n')
+        set_up.go('ros-base-msgs==1.0\n')
     set_up.go('')
 
     assert set_up.modules == set()
@@ -201,9 +193,7 @@ def test_editing_the_file_needs_only_its_own_step(set_up):
 
 def test_sourced_installation_has_to_have_the_packages(set_up, tmp_path):
     """The versions are those of the installation, and nothing is installed from PyPI."""
-    shared = tmp_path / 'ros' / 'share' / 'toy_msgs'
-    shared.mkdir(parents=True)
-    (shared / 'package.xml').write_text('<version>2.3.4</version>', encoding='utf-8')
+    laid(tmp_path, {'ros/share/toy_msgs/package.xml': b'<version>2.3.4</version>'})
     environ = {'AMENT_PREFIX_PATH': f'/nowhere:{tmp_path / "ros"}'}
     set_up.plan = replace(set_up.plan, kind='sourced', environ=environ)
 
@@ -216,12 +206,11 @@ def test_sourced_installation_has_to_have_the_packages(set_up, tmp_path):
 
 def test_doctor_names_the_file_and_what_is_missing(set_up):
     """Without a network, the note in the environment is enough."""
-    set_up.wheel('ros-toy-msgs')
-    set_up.go('ros-toy-msgs==1.0\n')
+    set_up.go('ros-base-msgs==1.0\n')
 
     assert check_messages(set_up.places).state == OK
 
-    set_up.file.write_text('ros-toy-msgs==1.0\nros-my-msgs==1.0\n', encoding='utf-8')
+    set_up.file.write_text('ros-base-msgs==1.0\nros-my-msgs==1.0\n', encoding='utf-8')
     finding = check_messages(set_up.places)
     assert finding.state == MISSING
     assert finding.detail == 'environment/messages.txt names my_msgs, which is not installed'

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 
+from collect_sources import laid
 import pytest
 
 from environment import install_files
@@ -32,45 +33,43 @@ def places(tmp_path):
     return places
 
 
-def test_ros_environment_round_trip_is_equal(places):
-    ros = describe_wheels(places, '/usr')
+@pytest.fixture
+def ros(places):
+    return describe_wheels(places, '/usr')
+
+
+def test_ros_environment_round_trip_is_equal(places, ros):
     install_files.write_description(places, ros)
 
     assert ros_environment(places.venv) == ros
 
 
-def test_course_without_a_package_is_described_without_one(places):
+def test_course_without_a_package_is_described_without_one(ros):
     """The trial of such a course imports only rclpy."""
-    ros = describe_wheels(places, '/usr')
-
     assert ros.package == ''
     assert trial_of_messages(ros.package) == 'import rclpy'
 
 
-def test_ros_environment_missing_names_doctor(tmp_path):
+@pytest.mark.parametrize('text', [None, '', '{', '[]', '{"kind": "wheels"}'])
+def test_ros_environment_missing_or_damaged_names_doctor(tmp_path, text):
+    if text is not None:
+        (tmp_path / FILE_NAME).write_text(text)
+
     with pytest.raises(RosEnvironmentError, match='make doctor') as caught:
         ros_environment(tmp_path)
     assert FILE_NAME in str(caught.value)
 
 
-@pytest.mark.parametrize('text', ['', '{', '[]', '{"kind": "wheels"}'])
-def test_ros_environment_damaged_names_doctor(tmp_path, text):
-    (tmp_path / FILE_NAME).write_text(text)
-
-    with pytest.raises(RosEnvironmentError, match='make doctor'):
-        ros_environment(tmp_path)
-
-
-def test_from_json_wrong_type_is_refused(places):
-    text = replace(describe_wheels(places, '/usr'), variables=[]).to_json()
+def test_from_json_wrong_type_is_refused(ros):
+    text = replace(ros, variables=[]).to_json()
 
     with pytest.raises(ValueError, match='variables'):
         RosEnvironment.from_json(text)
 
 
-def test_describe_wheels_has_all_that_a_process_needs(places):
+def test_describe_wheels_has_all_that_a_process_needs(places, ros):
     """Logs go to stdout, message fields are checked, and no Python process re-executes itself."""
-    variables = describe_wheels(places, '/usr').variables
+    variables = ros.variables
 
     assert variables['RCUTILS_LOGGING_USE_STDOUT'] == '1'
     assert variables['ROS_PYTHON_CHECK_FIELDS'] == '1'
@@ -80,17 +79,14 @@ def test_describe_wheels_has_all_that_a_process_needs(places):
     assert 'ros_rcl.libs' in variables['LD_LIBRARY_PATH']
 
 
-def test_describe_wheels_only_variables_have_the_workspace(places):
+def test_describe_wheels_only_variables_have_the_workspace(places, ros):
     """A student's package is built without access to the course's own package."""
-    ros = describe_wheels(places, '/usr')
-
     assert str(places.prefix) in ros.variables['AMENT_PREFIX_PATH']
     assert str(places.prefix) in ros.variables['PYTHONPATH']
     assert str(places.prefix) not in str(ros.base_variables)
 
 
 def test_describe_sourced_keeps_the_shell_without_the_wheels(places):
-    """A sourced installation has its own paths; no variable for the wheels is set."""
     shell = {
         'AMENT_PREFIX_PATH': '/opt/ros/jazzy',
         'LD_LIBRARY_PATH': '/opt/ros/jazzy/lib',
@@ -125,10 +121,8 @@ def test_join_paths_keeps_order_and_drops_repeats():
     assert join_paths('b:a', ['', 'a'], 'c::b') == 'b:a:c'
 
 
-def test_kernel_spec_carries_the_environment(places):
+def test_kernel_spec_carries_the_environment(places, ros):
     """The kernel needs no variable from the shell, and appends the learner's own PATH."""
-    ros = describe_wheels(places, '/usr')
-
     spec = install_files.kernel_spec(ros)
 
     assert spec['display_name'] == 'ROS 2 Jazzy'
@@ -140,29 +134,28 @@ def test_kernel_spec_carries_the_environment(places):
     assert spec['env']['PYTHONPATH'] == ros.variables['PYTHONPATH']
 
 
-def test_install_files_adapts_jupyterlab(places):
+def test_install_files_adapts_jupyterlab(places, ros):
     """
     The project is importable in the venv, and JupyterLab does not offer to show news.
 
     JupyterLab saves an edited cell before its exercise is checked, and loads the course's style
     sheet, which its own rules do not override.
     """
-    install_files.install_files(places, describe_wheels(places, '/usr'))
+    install_files.install_files(places, ros)
 
     path_file = places.site_packages() / 'ros2_course.pth'
     assert path_file.read_text().splitlines() == [str(places.project), str(PROJECT)]
     style = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
     assert 'word-break: normal' in style.read_text()
     assert '.jp-mod-selected { overflow-anchor: auto; }' in style.read_text()
-    settings = {
-        path: json.loads((places.venv / path).read_text())
+    page, lab, overrides = (
+        json.loads((places.venv / path).read_text())
         for path in (
             'etc/jupyter/labconfig/page_config.json',
             'etc/jupyter/jupyter_lab_config.json',
             'share/jupyter/lab/settings/overrides.json',
         )
-    }
-    page, lab, overrides = settings.values()
+    )
     assert page['disabledExtensions']['@jupyterlab/apputils-extension:announcements'] is True
     assert lab['LabApp']['custom_css'] is True
     saving = {'autosaveInterval': 10, 'lastModifiedCheckMargin': 10_000}
@@ -213,7 +206,6 @@ def terminal(places):
 
 
 def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_path):
-    """The shell finds the course's ros2 at its start, and after the user's .bashrc has run."""
     said = ['the ros2 of the course']
 
     assert terminal('ros2\n', tmp_path, [str(places.terminal / 'shell')]) == said
@@ -222,10 +214,9 @@ def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_pat
 
 def test_the_goals_of_the_course_work_in_every_folder_of_a_terminal(terminal, places, tmp_path):
     """A Makefile in the current folder, or one chosen with -f or -C, takes precedence."""
-    notebooks, own = tmp_path / 'notebooks', tmp_path / 'own'
-    for folder in (notebooks, own):
-        folder.mkdir()
-    (own / 'Makefile').write_text('publisher:\n\t@echo my own\n')
+    notebooks = tmp_path / 'notebooks'
+    notebooks.mkdir()
+    own = laid(tmp_path / 'own', {'Makefile': b'publisher:\n\t@echo my own\n'})
 
     shell = [str(places.terminal / 'shell')]
     assert terminal('make publisher\n', notebooks, shell) == ['published']

@@ -10,7 +10,7 @@ import pytest
 
 from environment import doctor, install_files, ros2_command
 from environment.places import Places
-from environment.ros import describe_wheels, RosEnvironment
+from environment.ros import describe_wheels
 
 
 @pytest.fixture
@@ -39,7 +39,6 @@ def sourced(tmp_path, wheels):
 
 
 def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
-    """The shell's workspace and settings take precedence, and nothing is lost or repeated."""
     ours = wheels.variables['AMENT_PREFIX_PATH']
     shell = {
         'PATH': '/usr/bin',
@@ -56,7 +55,6 @@ def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
 
 
 def test_discovery_variables_leave_another_middleware_alone(wheels):
-    """The variables for Fast DDS are not set for a different middleware."""
     other = replace(wheels, variables={'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp'})
 
     assert ros2_command.discovery_variables(other) == {}
@@ -98,11 +96,10 @@ def test_missing_script_is_found_by_the_doctor(places, wheels):
     assert (found.state, found.fix) == (doctor.MISSING, doctor.PREPARE)
 
 
-def run_main(places, ros: RosEnvironment, *arguments):
-    """Run the file with this description, as the script does."""
-    install_files.write_description(places, ros)
+def run_main(places):
+    """Run the file as the script does."""
     return subprocess.run(
-        [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), *arguments],
+        [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), 'topic', 'list'],
         env={'PATH': '/usr/bin:/bin'},
         capture_output=True,
         text=True,
@@ -110,19 +107,16 @@ def run_main(places, ros: RosEnvironment, *arguments):
 
 
 def test_command_called_beside_a_real_one_starts_that(places, sourced):
-    """The course's command prints a notice and starts the real one."""
-    done = run_main(places, sourced, 'topic', 'list')
+    install_files.write_description(places, sourced)
+
+    done = run_main(places)
 
     assert done.stdout == 'the real one: topic list\n'
     assert 'belongs to the ROS 2 installation' in done.stderr
 
 
 def test_command_without_description_says_what_to_do(places):
-    done = subprocess.run(
-        [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), 'topic', 'list'],
-        capture_output=True,
-        text=True,
-    )
+    done = run_main(places)
 
     assert done.returncode == 1
     assert 'Try: make doctor' in done.stderr

@@ -1,5 +1,6 @@
 """A prepared environment is up to date until one of its inputs changes."""
 
+from collect_sources import laid
 import pytest
 
 from environment import stamps
@@ -8,23 +9,20 @@ from environment.places import Places
 
 @pytest.fixture
 def places(tmp_path):
-    package = tmp_path / 'temp_monitor_pkg'
-    (package / 'msg').mkdir(parents=True)
-    (package / 'test').mkdir()
-    (package / 'msg' / 'Num.msg').write_text('int64 num\n')
-    (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
+    files = {'course.toml': b"package = 'temp_monitor_pkg'\n", 'temp_monitor_pkg/test/x.py': b''}
+    laid(tmp_path, {**files, 'temp_monitor_pkg/msg/Num.msg': b'int64 num\n'})
     return Places.of('.venv', tmp_path)
 
 
-def write_ready(places, environ, python_version):
+def write_ready(places, environ=None):
     """Record that the current project was prepared."""
-    stamps.write_ready(places, environ, python_version, stamps.whole_digest(places))
+    stamps.write_ready(places, environ or {}, '3.12', stamps.whole_digest(places))
 
 
 def test_is_ready_after_write_is_true(places):
     assert not stamps.is_ready(places, {})
 
-    write_ready(places, {}, '3.12')
+    write_ready(places)
 
     assert stamps.is_ready(places, {})
     assert stamps.is_ready(places, {'PYTHON': '', 'ROS_SOURCE': ''})
@@ -32,7 +30,7 @@ def test_is_ready_after_write_is_true(places):
 
 @pytest.mark.parametrize('name', ['msg/Num.msg', 'msg/New.msg', 'package.xml'])
 def test_is_ready_changed_source_is_false(places, name):
-    write_ready(places, {}, '3.12')
+    write_ready(places)
     (places.package / name).write_text('float64 changed\n')
 
     assert not stamps.is_ready(places, {})
@@ -40,10 +38,8 @@ def test_is_ready_changed_source_is_false(places, name):
 
 def test_is_ready_changed_test_is_true(places):
     """The package's tests are not installed, so they need no build."""
-    write_ready(places, {}, '3.12')
-    (places.package / 'test' / 'test_new.py').write_text('')
-    (places.package / '__pycache__').mkdir()
-    (places.package / '__pycache__' / 'x.pyc').write_text('')
+    write_ready(places)
+    laid(places.package, {'test/test_new.py': b'', '__pycache__/x.pyc': b''})
 
     assert stamps.is_ready(places, {})
 
@@ -58,7 +54,7 @@ def test_is_ready_edited_while_preparing_is_false(places):
 
 def test_is_ready_moved_project_is_false(places, tmp_path):
     """The scripts of a venv contain its path, so a moved project is prepared again."""
-    write_ready(places, {}, '3.12')
+    write_ready(places)
     moved = tmp_path.with_name('moved')
     tmp_path.rename(moved)
 
@@ -67,7 +63,7 @@ def test_is_ready_moved_project_is_false(places, tmp_path):
 
 @pytest.mark.parametrize('text', ['', '{', '[]', '{"digest": 1}'])
 def test_is_ready_damaged_stamp_is_false(places, text):
-    write_ready(places, {}, '3.12')
+    write_ready(places)
     places.ready.write_text(text)
 
     assert not stamps.is_ready(places, {})
@@ -94,7 +90,7 @@ SOURCED = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
 )
 def test_is_ready_compares_what_the_shell_requests(places, prepared, shell, ready):
     """A shell without a request accepts any prepared environment."""
-    write_ready(places, prepared, '3.12')
+    write_ready(places, prepared)
 
     assert stamps.is_ready(places, shell) == ready
 

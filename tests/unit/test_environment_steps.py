@@ -7,6 +7,7 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
+from collect_sources import laid
 import pytest
 
 from environment import prepare, system
@@ -30,7 +31,6 @@ class FakeSetUp:
         self.digest = 'inputs'
 
     def steps(self):
-        """Return the three steps."""
         return [
             Step(
                 name,
@@ -66,7 +66,6 @@ def test_run_steps_all_needed_runs_in_order(fake):
 
 
 def test_run_steps_second_time_does_nothing(fake):
-    """If all steps are done, no step runs and nothing is printed until their inputs change."""
     fake.go()
     fake.out.truncate(0)
 
@@ -80,7 +79,6 @@ def test_run_steps_second_time_does_nothing(fake):
 
 
 def test_run_steps_failure_explains_stops_and_goes_on_there(fake):
-    """The error shows the step, the end of its log and a remedy; the next run does the rest."""
     fake.fail_in = 'two'
 
     assert not fake.go()
@@ -96,7 +94,6 @@ def test_run_steps_failure_explains_stops_and_goes_on_there(fake):
 
 
 def test_run_steps_killed_step_runs_again(fake):
-    """A killed step has no stamp, so it runs again."""
     fake.run = lambda name, job: (_ for _ in ()).throw(KeyboardInterrupt)
     with pytest.raises(KeyboardInterrupt):
         fake.go()
@@ -135,7 +132,6 @@ def test_run_steps_on_ci_says_one_line_a_step(fake):
     ],
 )
 def test_job_run_explains_a_command_that_fails_or_is_missing(tmp_path, command, said):
-    """The error shows the exit code, and the log contains the output."""
     step = Step('x', 'X', lambda: True, lambda job: job.run(command, os.environ, 'tool'))
     out = io.StringIO()
 
@@ -168,8 +164,7 @@ def test_locked_second_holder_waits(tmp_path):
 
 
 def test_clear_venv_foreign_folder_is_refused(tmp_path):
-    (tmp_path / '.venv').mkdir()
-    (tmp_path / '.venv' / 'thesis.txt').touch()
+    laid(tmp_path, {'.venv/thesis.txt': b''})
 
     with pytest.raises(StepError, match='not a virtual environment'):
         prepare.clear_venv(Places.of('.venv', tmp_path))
@@ -178,9 +173,7 @@ def test_clear_venv_foreign_folder_is_refused(tmp_path):
 
 def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
     """The environment behind a link belongs to another copy of the course."""
-    other = tmp_path / 'other'
-    other.mkdir()
-    (other / 'pyvenv.cfg').touch()
+    other = laid(tmp_path / 'other', {'pyvenv.cfg': b''})
     (tmp_path / '.venv').symlink_to(other)
 
     with pytest.raises(StepError, match='this is a link to'):
@@ -189,14 +182,10 @@ def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
 
 
 def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
-    """An unfinished environment is removed with its stamps; the log in use is kept."""
     places = Places.of('.venv', tmp_path)
-    (places.venv / 'lib').mkdir(parents=True)
+    laid(places.venv, {'lib/x.py': b'', 'pyvenv.cfg': b''})
+    laid(places.notes, {'logs/venv.log': b'', 'packages.stamp': b''})
     (places.venv / 'lib64').symlink_to('lib')
-    (places.venv / 'pyvenv.cfg').touch()
-    (places.notes / 'logs').mkdir(parents=True)
-    (places.notes / 'logs' / 'venv.log').touch()
-    (places.notes / 'packages.stamp').touch()
 
     prepare.clear_venv(places)
 
@@ -217,24 +206,25 @@ def test_make_plan_existing_venv_keeps_its_python(tmp_path):
     assert plan.interpreter.base_prefix == sys.base_prefix
 
 
-def test_make_plan_unknown_source_is_refused(tmp_path):
-    with pytest.raises(StepError, match='expected wheels or sourced'):
-        make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'apt'})
+@pytest.mark.parametrize(
+    ('source', 'said'),
+    [
+        ('apt', 'expected wheels or sourced'),
+        # Without a sourced ROS 2, the error says which file to source.
+        ('sourced', 'setup.bash'),
+    ],
+)
+def test_make_plan_source_that_cannot_be_used_is_refused(tmp_path, source, said):
+    with pytest.raises(StepError) as caught:
+        make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': source})
+    assert said in f'{caught.value} {caught.value.try_this}'
 
 
 def test_make_plan_closed_shared_memory_is_refused(tmp_path, monkeypatch):
-    """The error is raised before any step, and contains a remedy."""
     monkeypatch.setattr(system.os, 'access', lambda *_: False)
     with pytest.raises(StepError, match='/dev/shm: ROS 2 needs shared memory') as caught:
         make_plan(Places.of('.venv', tmp_path), {})
     assert 'mount -o remount,rw' in caught.value.try_this
-
-
-def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):
-    """For ROS_SOURCE=sourced without a sourced ROS 2, the error says which file to source."""
-    with pytest.raises(StepError) as caught:
-        make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'sourced'})
-    assert 'setup.bash' in caught.value.try_this
 
 
 def test_run_steps_optional_failure_is_reported_and_the_rest_goes_on(fake):
@@ -250,7 +240,6 @@ def test_run_steps_optional_failure_is_reported_and_the_rest_goes_on(fake):
 
 
 def test_a_grader_that_fails_its_proof_is_reported(tmp_path, monkeypatch):
-    """The last step fails if the reference solution does not get full marks."""
     plan = make_plan(Places(tmp_path / 'venv'), {**os.environ, 'ROS_SOURCE': 'wheels'})
     monkeypatch.setattr(plan, 'description', lambda: SimpleNamespace(python='/bin/false'))
     last = dataclasses.replace(prepare.steps_of(plan)[-1], needed=lambda: True)

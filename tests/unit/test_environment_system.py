@@ -44,8 +44,17 @@ def install(python=None):
         system.install_missing(Job(log), os.environ, python)
 
 
-def test_install_missing_as_root_uses_apt(machine, monkeypatch):
+@pytest.fixture
+def root(monkeypatch):
     monkeypatch.setattr(os, 'geteuid', lambda: 0)
+
+
+@pytest.fixture
+def user(monkeypatch):
+    monkeypatch.setattr(os, 'geteuid', lambda: 1000)
+
+
+def test_install_missing_as_root_uses_apt(machine, root):
     log = add_apt(machine)
 
     install()
@@ -56,8 +65,7 @@ def test_install_missing_as_root_uses_apt(machine, monkeypatch):
     assert system.missing_tools() == []
 
 
-def test_install_missing_update_fails_installs_from_old_lists(machine, monkeypatch):
-    monkeypatch.setattr(os, 'geteuid', lambda: 0)
+def test_install_missing_update_fails_installs_from_old_lists(machine, root):
     add_apt(machine, update_code=100)
 
     install()
@@ -65,9 +73,7 @@ def test_install_missing_update_fails_installs_from_old_lists(machine, monkeypat
     assert system.missing_tools() == []
 
 
-def test_install_missing_without_root_names_the_command(machine, monkeypatch):
-    """Without root and sudo, the error shows the one command to type."""
-    monkeypatch.setattr(os, 'geteuid', lambda: 1000)
+def test_install_missing_without_root_names_the_command(machine, user):
     log = add_apt(machine)
 
     with pytest.raises(StepError, match=r'C\+\+ compiler, make') as caught:
@@ -77,8 +83,7 @@ def test_install_missing_without_root_names_the_command(machine, monkeypatch):
     assert not log.exists()
 
 
-def test_install_missing_only_bubblewrap_goes_on(machine, monkeypatch):
-    monkeypatch.setattr(os, 'geteuid', lambda: 1000)
+def test_install_missing_only_bubblewrap_goes_on(machine, user):
     for name in ('g++', 'make'):
         (machine / name).write_text('')
         (machine / name).chmod(0o755)
@@ -89,9 +94,8 @@ def test_install_missing_only_bubblewrap_goes_on(machine, monkeypatch):
     assert [tool.command for tool in system.missing_tools()] == ['bwrap']
 
 
-def test_apt_get_with_password_is_not_used(machine, monkeypatch):
+def test_apt_get_with_password_is_not_used(machine, user):
     """A sudo that asks for a password would block a set-up without a keyboard."""
-    monkeypatch.setattr(os, 'geteuid', lambda: 1000)
     add_apt(machine)
     sudo = machine / 'sudo'
     sudo.write_text('#!/bin/sh\nexit 1\n')

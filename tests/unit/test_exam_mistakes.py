@@ -1,28 +1,39 @@
 """Mistakes in an exam are refused with their place before a class is graded."""
 
 from pathlib import Path
+import re
 
+from collect_sources import laid
 import pytest
 
 from autograder.authoring.exam_mistakes import (
     differs_from_visible,
     lesson_headings,
     read_mistakes,
+    self_check,
     unsendable,
 )
-from autograder.authoring.self_check import self_check
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Scenario
-from autograder.exam.steps import Advance, Call, Feed, Join, Leave, Offer, Watch
+from autograder.exam.specification import each, Specification
+from autograder.exam.steps import Advance, Call, Feed, Join, Leave, Mark, Offer, Watch
+from autograder.judging.claims import (
+    answers,
+    beats,
+    declares,
+    hears,
+    one_for_one,
+    publishes,
+    serves,
+)
 from autograder.layout import Layout
 
-STRING = 'std_msgs/msg/String'
+STRING, SET = 'std_msgs/msg/String', 'rcl_interfaces/srv/SetParameters'
 
 
 def exam(**scenario) -> Exam:
-    """Return an exam with this scenario."""
     facts = {'file': 'a.py', **scenario}
     return Exam(
         'sample',
@@ -78,7 +89,6 @@ class TestWhenItIsMade:
         ],
     )
     def test_a_contradiction_is_refused_with_its_place(self, scenario, said):
-        """The error names the exam, the step, and the expected and the actual value."""
         with pytest.raises(ExamInvalid) as refused:
             exam(**scenario)
 
@@ -127,7 +137,6 @@ class TestWithRos:
         assert 'environment/messages.txt' in line
 
     def test_values_that_their_fields_cannot_hold_are_named(self):
-        """The error names the exam, the step and the field at which the probe would fail."""
         wrong = [
             ('std_msgs/msg/Bool', {'data': 'yes'}, "'data'"),
             ('std_msgs/msg/Bool', {'data': 1}, "'data'"),
@@ -255,12 +264,8 @@ class TestWithTheLessons:
         assert len(list(read_mistakes(self.reads(), {}))) == 1
 
     def test_headings_are_those_of_the_released_lessons(self, tmp_path: Path):
-        for name, text in (
-            ('01_x', '{"cells": [{"cell_type": "markdown", "source": ["# A\\n", "## B"]}]}'),
-            ('02_y', '{}'),
-        ):
-            (tmp_path / name).mkdir()
-            (tmp_path / name / 'a.ipynb').write_text(text)
+        cells = '{"cells": [{"cell_type": "markdown", "source": ["# A\\n", "## B"]}]}'
+        laid(tmp_path, {'01_x/a.ipynb': cells.encode(), '02_y/a.ipynb': b'{}'})
 
         assert lesson_headings(tmp_path) == {'01_x': {'A', 'B'}}
 
@@ -279,17 +284,13 @@ class TestBeforeItIsUsed:
 
     def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
         """An exam with a mistake is not run, because the probe would seem to be at fault."""
-        from autograder.authoring import self_check as module
+        from autograder.authoring import exam_mistakes as module
 
         wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})
+        lesson = module.Lesson('01_x', 'x.ipynb', {'cells': []}, (wrong,))
         monkeypatch.setattr(catalog, 'load', lambda *_, **__: wrong)
-        monkeypatch.setattr(
-            module,
-            'load_lesson',
-            lambda *_: module.Lesson('01_x', 'x.ipynb', {'cells': []}, (wrong,)),
-        )
-        (tmp_path / 'notebooks' / '01_x').mkdir(parents=True)
-        (tmp_path / 'notebooks' / '01_x' / 'x.ipynb').write_text('{}')
+        monkeypatch.setattr(module, 'load_lesson', lambda *_: lesson)
+        laid(tmp_path, {'notebooks/01_x/x.ipynb': b'{}'})
 
         ((right, line),) = self_check(Layout(tmp_path), None)
 
@@ -297,3 +298,46 @@ class TestBeforeItIsUsed:
         assert line.startswith(
             "01_x: exam sample, watch '/t': std_msgs/msg/Strin is not installed"
         )
+
+
+DOUBLES = Specification([1, 2], each(lambda one: (2 * one,)))
+WRONG_CLAIMS = [
+    (hears('/in', STRING), "a topic on which the scenario publishes ('/ask'), got '/in'"),
+    (
+        publishes('doubles', '/anser'),
+        "a topic that the scenario watches ('/answer'), got '/anser'",
+    ),
+    (publishes('double', '/answer'), "a specification of Exam(asks=...) ('doubles'"),
+    (
+        one_for_one('few', '/answer'),
+        "an input of 'few' for each of the 2 messages that the scenario sends, got 1",
+    ),
+    (
+        one_for_one('bare', '/answer'),
+        "a tuple with a value per message as each answer of 'bare', got",
+    ),
+    (answers('doubles', '/a/set'), "expected a dict as each answer of 'doubles', got (2,)"),
+    (
+        serves('/set', 'std_srvs/srv/SetBool'),
+        "a service that the scenario calls ('/a/set'), got '/set'",
+    ),
+    (beats('/answer', 1.0, 'off'), "a phase that begins with a Mark ('on'), got 'off'"),
+    (declares('/a', {'rate': 2.0}), "expected the step Call(node='/a', service='get_parameters'"),
+]
+"""Claims that the exam of the test cannot answer, with the reason."""
+
+
+@pytest.mark.parametrize(('judge', 'said'), WRONG_CLAIMS)
+def test_claim_that_the_exam_cannot_answer_is_refused(judge, said):
+    """Otherwise a correct program would fail."""
+    asks = {
+        'doubles': DOUBLES,
+        'few': Specification([1], DOUBLES.due),
+        'bare': Specification([1, 2], each(lambda one: one)),
+    }
+    steps = (Mark('on'), feed('/ask', {'data': '1'}, {'data': '2'}), Call('/a', 'set', SET))
+    made = exam(feed={'/ask': STRING}, watch={'/answer': STRING}, steps=steps)
+    made.asks = asks
+
+    with pytest.raises(ExamInvalid, match=re.escape(said)):
+        made.check(points=1)(judge)

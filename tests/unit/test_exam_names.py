@@ -10,8 +10,7 @@ from autograder import judging
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.names import Names
-from autograder.exam.scenario import Scenario
+from autograder.exam.scenario import Names, Scenario
 from autograder.exam.steps import Call, Feed, Join, Offer, set_parameters
 from autograder.judging.checks import require_messages
 from autograder.judging.judge import judge
@@ -80,8 +79,7 @@ def recording(error: str = '', *endpoints: tuple[str, str]) -> Recording:
 def feedback(line: str, error: str) -> str:
     """Return the feedback on a program that ended with an exception in a line."""
     exam = rover()
-    run = Run({'rover.py': CODE.format(line)}, recording(error), exam.facts)
-    (check,) = judge(exam, run)
+    (check,) = judge(exam, Run({'rover.py': CODE.format(line)}, recording(error), exam.facts))
     return f'{check.cause} {check.try_this}'
 
 
@@ -137,7 +135,6 @@ def feedback(line: str, error: str) -> str:
     ],
 )
 def test_advice_has_the_names_of_the_exam(line, error, words):
-    """Advice shows topics (without namespace), types and parameters, or the learner's names."""
     said = feedback(line, error)
 
     assert words in said
@@ -154,7 +151,6 @@ def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
 
 
 def test_names_come_from_all_steps():
-    """Names from later steps count too; an exam without names gets general words instead."""
     names = Names.of(
         Scenario(
             steps=(
@@ -174,7 +170,6 @@ def test_names_come_from_all_steps():
 
 @pytest.mark.parametrize('name', SHARED)
 def test_shared_advice_names_no_exercise(name):
-    """Shared advice contains no topic, parameter or message type of the course's exams."""
     every = [catalog.load(one, hidden=False).facts['exam_names'] for one in catalog.names(False)]
     topics = {topic.rpartition('/')[2] for one in every for topic in (*one.published, *one.heard)}
     parameters = {one for names in every for one in names.parameters}
@@ -197,11 +192,15 @@ def test_shared_advice_names_no_exercise(name):
 # -- messages on a topic ---------------------------------------------------------------------
 
 
-def test_bare_require_messages_asks_did_you_mean():
-    """The cause names a publisher on a similar topic, as in the course's own exams."""
+def twist(topic, kind='geometry_msgs/msg/Twist'):
+    """Return the result of the check on a program that publishes on this topic."""
     exam = rover()
-    near = recording('', ('/qqqqqq/cmd_val', 'geometry_msgs/msg/Twist'))
-    (check,) = judge(exam, Run({'rover.py': CODE}, near, exam.facts))
+    (check,) = judge(exam, Run({'rover.py': CODE}, recording('', (topic, kind)), exam.facts))
+    return check
+
+
+def test_bare_require_messages_asks_did_you_mean():
+    check = twist('/qqqqqq/cmd_val')
 
     assert check.cause_id == 'topic_name'
     assert 'did you mean' in check.cause
@@ -209,27 +208,19 @@ def test_bare_require_messages_asks_did_you_mean():
 
 
 def test_bare_require_messages_names_another_type():
-    """The topic is correct, but the type is not."""
-    exam = rover()
-    other = recording('', ('/qqqqqq/cmd_vel', 'std_msgs/msg/String'))
-    (check,) = judge(exam, Run({'rover.py': CODE}, other, exam.facts))
+    check = twist('/qqqqqq/cmd_vel', 'std_msgs/msg/String')
 
     assert check.cause_id == 'wrong_type'
     assert 'Pass the class Twist' in check.try_this
 
 
+MESSAGE = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
+
+
 def test_bare_require_messages_takes_what_came_on_the_topic():
-    """The check accepts the required number of messages."""
     exam = rover()
-    event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
-    end = {
-        'topic': '/qqqqqq/cmd_vel',
-        'kind': 'publisher',
-        'node': '/qqqqqq/rover',
-        'type': 'geometry_msgs/msg/Twist',
-    }
-    seen = {'event': 'graph', 'nodes': ['/qqqqqq/rover'], 'endpoints': [end]}
-    run = Run({}, Recording({}, (seen, event, event)), exam.facts)
+    seen, *_ = recording('', ('/qqqqqq/cmd_vel', 'geometry_msgs/msg/Twist')).events
+    run = Run({}, Recording({}, (seen, MESSAGE, MESSAGE)), exam.facts)
 
     assert len(require_messages(run, topic='/qqqqqq/cmd_vel', least=2)) == 2
     (check,) = judge(exam, run)
@@ -238,8 +229,7 @@ def test_bare_require_messages_takes_what_came_on_the_topic():
 
 def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
     """If a program ends at once, chance decides whether the probe receives its messages."""
-    event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
-    run = Run({}, Recording({}, (event, event)), rover().facts)
+    run = Run({}, Recording({}, (MESSAGE, MESSAGE)), rover().facts)
 
     with pytest.raises(Failed):
         require_messages(run, topic='/qqqqqq/cmd_vel')
@@ -247,7 +237,6 @@ def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
 
 @pytest.mark.parametrize('topic', ['', '/cmd_val'])
 def test_topic_that_the_scenario_does_not_watch_is_a_mistake_of_the_exam(topic):
-    """The message lists the topics that the scenario watches."""
     exam = rover()
     with pytest.raises(ExamInvalid, match=r"watches \('/qqqqqq/cmd_vel'\), got"):
         require_messages(Run({}, recording(), exam.facts), topic=topic)

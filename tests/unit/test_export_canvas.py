@@ -42,7 +42,6 @@ def cells(data, delimiter=','):
 
 
 def test_one_column_is_filled_and_every_other_cell_stays():
-    """The order of the cells and the lines above the students do not change."""
     done = fill(marks(ada=6.25))
     before, after = cells(book()), cells(done.data)
 
@@ -60,64 +59,52 @@ def test_one_column_is_filled_and_every_other_cell_stays():
 
 @pytest.mark.parametrize('student', ['ada', 's11', '11'])
 def test_a_student_is_found_by_any_id(student):
-    """A student is found by SIS Login ID, SIS User ID or ID."""
-    done = fill([Mark(student, 1.0, 6.5)])
-
-    assert cells(done.data)[3][7] == '1'
+    assert cells(fill([Mark(student, 1.0, 6.5)]).data)[3][7] == '1'
 
 
 @pytest.mark.parametrize('login', ["o'neil@uni.example", 'bob+ros@uni.example'])
 def test_an_id_that_collect_had_to_change_is_found(login):
     """The export changes an id that nbgrader cannot use in the same way as ``collect`` does."""
     data = book(ADA, BOB.replace('bob@uni.example', login))
-    done = fill([Mark(student_id(login), 1.0, 6.5)], data)
-
-    assert cells(done.data)[4][7] == '1'
+    assert cells(fill([Mark(student_id(login), 1.0, 6.5)], data).data)[4][7] == '1'
 
 
 @pytest.mark.parametrize('student', ['Lovelace, Ada', 'ADA', 'ad', 'adaa', ''])
 def test_nobody_is_guessed(student):
-    """The export matches only exact ids, not names or similar ids."""
     done = fill([Mark(student, 1.0, 6.5)])
 
     assert cells(done.data) == cells(book())
     assert done.left_out == [(student, 'Canvas has no such SIS Login ID, SIS User ID, ID')]
 
 
-def test_an_id_of_two_lines_is_nobodys():
-    other = '"Else, Some",99,,s11,Sec 2,,,,'
-    done = fill([Mark('s11', 1.0, 6.5)], book(ADA, other))
-
-    assert cells(done.data) == cells(book(ADA, other))
-    assert done.left_out == [('s11', 'lines 4, 5 have this id')]
+TWICE = book(ADA, '"Else, Some",99,,s11,Sec 2,,,,')
 
 
-def test_two_students_of_one_line_get_nothing():
-    """If two ids match the same line, a person has to choose."""
-    done = fill(marks(ada=1.0, s11=2.0))
+@pytest.mark.parametrize(
+    ('given', 'data', 'why'),
+    [
+        (marks(s11=1.0), TWICE, ['lines 4, 5 have this id']),
+        # If two ids match the same line, a person has to choose.
+        (
+            marks(ada=1.0, s11=2.0),
+            book(),
+            ['ada and s11 match the same row of Canvas, line 4'] * 2,
+        ),
+        ([Mark('ada', None, 6.5, REVIEW)], book(), ['for review']),
+        (
+            [Mark('bob@uni.example', None, 6.5, BY_HAND)],
+            book(),
+            ['to be graded by hand; Canvas keeps 3.00'],
+        ),
+        (marks(eve=6.5), book(), ['is excused in Canvas']),
+    ],
+    ids=['id of two lines', 'two ids of a line', 'for review', 'by hand', 'excused'],
+)
+def test_mark_that_cannot_be_entered_leaves_the_cell_as_it_is(given, data, why):
+    done = fill(given, data)
 
-    assert cells(done.data) == cells(book())
-    assert [student for student, _ in done.left_out] == ['ada', 's11']
-
-
-def test_no_mark_leaves_the_cell_as_it_is():
-    """A submission that is for review or waits for a manual grade gets no zero."""
-    given = [Mark('ada', None, 6.5, REVIEW), Mark('bob@uni.example', None, 6.5, BY_HAND)]
-    done = fill(given)
-
-    assert cells(done.data) == cells(book())
-    assert done.left_out == [
-        ('ada', 'for review'),
-        ('bob@uni.example', 'to be graded by hand; Canvas keeps 3.00'),
-    ]
-
-
-def test_excused_stays_excused():
-    """An excused student remains excused, and the report mentions this."""
-    done = fill(marks(eve=6.5))
-
-    assert cells(done.data)[5][7] == 'EX'
-    assert done.left_out == [('eve', 'is excused in Canvas')]
+    assert cells(done.data) == cells(data)
+    assert done.left_out == [(one.student, said) for one, said in zip(given, why)]
 
 
 def test_what_is_replaced_is_reported():
@@ -126,21 +113,16 @@ def test_what_is_replaced_is_reported():
 
     assert done.replaced == [('bob@uni.example', '3.00', '4')]
     assert 'replaced: bob@uni.example: 3.00 -> 4' in done.text()
-
-
-def test_the_same_points_are_no_change():
     assert fill([Mark('bob@uni.example', 3.0, 6.5)]).replaced == []
 
 
 @pytest.mark.parametrize('column', ['Talker (102)', 'Talker', '102'])
 def test_the_column_is_named_by_header_title_or_id(column):
-    """The column is found by its header, its title or its id."""
     assert fill(marks(ada=1.0), column=column).column == 'Talker (102)'
 
 
 @pytest.mark.parametrize('column', ['Final Score', 'Notes', 'ID', 'Talkers', ''])
 def test_only_an_assignment_can_be_filled(column):
-    """A column with totals is refused, and the error lists the assignments."""
     with pytest.raises(GraderError, match=r'Columns: Quiz 1 \(101\); Talker \(102\)'):
         fill(marks(ada=1.0), column=column)
 
@@ -158,8 +140,7 @@ def test_other_points_possible_are_refused_or_scaled():
     with pytest.raises(GraderError, match=r'expected 6\.5 points possible .* got 10'):
         fill(marks(ada=3.25), column='101')
 
-    done = fill(marks(ada=3.25), column='101', scale=True)
-    assert cells(done.data)[3][6] == '5'
+    assert cells(fill(marks(ada=3.25), column='101', scale=True).data)[3][6] == '5'
 
 
 def test_semicolons_commas_a_mark_and_line_ends_stay():
@@ -176,9 +157,7 @@ def test_first_and_last_name_may_have_columns_of_their_own():
     data = book().decode().replace('Student,', 'LastName,FirstName,', 1)
     data = data.replace('\n,', '\n,,').replace('Possible,', 'Possible,,').replace('"L', 'A,"L')
     lines = [line for line in data.splitlines() if not line.startswith(('"', '\n'))]
-    done = fill(marks(ada=1.0), '\n'.join([*lines, '']).encode())
-
-    assert cells(done.data)[3][8] == '1'
+    assert cells(fill(marks(ada=1.0), '\n'.join([*lines, '']).encode()).data)[3][8] == '1'
 
 
 @pytest.mark.parametrize(
@@ -193,7 +172,6 @@ def test_first_and_last_name_may_have_columns_of_their_own():
     ],
 )
 def test_another_file_is_refused(data, got):
-    """The error says what was found and where to get the correct file."""
     with pytest.raises(GraderError, match=got) as refused:
         fill(marks(ada=1.0), data or b'\n')
 

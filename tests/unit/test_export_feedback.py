@@ -6,7 +6,6 @@ import zipfile
 
 from collect_sources import (
     CANVAS,
-    layout,  # noqa: F401 - a fixture
     MOODLE,
     packed,
     TALK,
@@ -37,9 +36,9 @@ def names_of(layout, kind):
     return {student: name_in_zip(student, one) for student, one in found.items()}
 
 
-def test_canvas_finds_user_and_attachment_of_what_was_collected(tmp_path, layout):
+def test_canvas_finds_user_and_attachment_of_what_was_collected(gather, layout):
     """Canvas recognises every name, even if work was late or was handed in twice."""
-    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+    gather(CANVAS, packed)
     names = names_of(layout, 'canvas')
 
     assert names['1001'] == 'exampleann_1001_55077_talk-1_feedback.html'
@@ -49,15 +48,14 @@ def test_canvas_finds_user_and_attachment_of_what_was_collected(tmp_path, layout
 
 
 @pytest.mark.parametrize('download', ['folders', 'files'])
-def test_moodle_finds_the_participant(tmp_path, layout, download):
-    """Moodle recognises the names for a download with folders and for one with files."""
+def test_moodle_finds_the_participant(gather, layout, download):
     files = MOODLE
     if download == 'files':
         files = {
             name.replace('file_/', 'file_').replace('file/', 'file_'): data
             for name, data in MOODLE.items()
         }
-    collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+    gather(files, packed)
     names = names_of(layout, 'moodle')
 
     assert of_moodle(names['Ann Example']) == ['311', 'assignsubmission', 'file']

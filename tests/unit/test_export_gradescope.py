@@ -12,7 +12,7 @@ import stat
 import subprocess
 import zipfile
 
-from export_world import check, CLASS, FULL, REVIEW, submission
+from export_world import CLASS, FULL, REVIEW, submission, VISIBLE
 from jsonschema import Draft202012Validator
 import pytest
 
@@ -73,6 +73,9 @@ LAYOUT = Layout.here()
 ASSIGNMENT = LAYOUT.assignments()[0]
 
 
+UNREAD = Problem('a.ipynb', 'a notebook', 'a picture', 'upload again', unusable=True)
+
+
 @pytest.fixture(scope='module')
 def archive():
     """Return the autograder of this course."""
@@ -82,16 +85,13 @@ def archive():
 
 class TestResults:
     def test_every_graded_submission_keeps_the_rules(self):
-        """Results follow the rules, and hostile strings are shown as text."""
-        for result in CLASS.results:
-            if not result.review:
-                data = json.loads(json_bytes(results_of(result)))
-                RULES.validate(data)
-                assert {test['output_format'] for test in data['tests']} == {'text'}
-                assert '\x1b' not in data['output']
+        for result in (one for one in CLASS.results if not one.review):
+            data = json.loads(json_bytes(results_of(result)))
+            RULES.validate(data)
+            assert {test['output_format'] for test in data['tests']} == {'text'}
+            assert '\x1b' not in data['output']
 
     def test_the_score_is_the_sum_of_the_tests(self):
-        """Students see the score and the tests, and both agree."""
         data = results_of(submission())
 
         assert data['score'] == sum(test['score'] for test in data['tests']) == 2.0
@@ -100,7 +100,6 @@ class TestResults:
         assert data['execution_time'] == 1.25
 
     def test_a_failed_check_says_why_and_a_waiting_one_for_what(self):
-        """A failed check shows all parts of its verdict; a waiting one names the other check."""
         _, warns, stops = results_of(submission())['tests']
 
         assert warns['output'].splitlines() == [
@@ -110,23 +109,21 @@ class TestResults:
         ]
         assert stops['output'] == 'Not checked, because it depends on: It warns.'
 
-    def test_for_review_has_no_file(self):
-        """A submission for review gets no file, because a zero would be wrong."""
-        unread = Problem('a.ipynb', 'a notebook', 'a picture', 'upload again', unusable=True)
-
-        for result in (REVIEW, submission('eve', problems=(unread,))):
-            with pytest.raises(GraderError, match='eve: for review'):
-                results_of(result)
-
-    def test_visible_checks_alone_are_no_result(self):
-        visible = ExamResult('talker', (check('runs'),), mode='none')
-
-        with pytest.raises(GraderError, match='only visible checks were run'):
-            results_of(SubmissionResult('ann', '01_talker', (visible,)))
+    @pytest.mark.parametrize(
+        ('result', 'why'),
+        [
+            (REVIEW, 'eve: for review'),
+            (submission('eve', problems=(UNREAD,)), 'eve: for review'),
+            (VISIBLE, 'only visible checks were run'),
+        ],
+    )
+    def test_submission_without_a_mark_has_no_file(self, result, why):
+        """A zero would be wrong."""
+        with pytest.raises(GraderError, match=why):
+            results_of(result)
 
     @pytest.mark.parametrize('visibility', VISIBILITIES)
     def test_students_see_tests_when_it_was_chosen(self, visibility):
-        """Students see the tests only if the option allows it, and never the grader's output."""
         data = results_of(FULL, visibility)
 
         assert {data['visibility'], *(test['visibility'] for test in data['tests'])} == {
@@ -145,20 +142,14 @@ class TestResults:
 
 
 class TestZip:
-    def test_the_two_files_of_the_specification_are_executable_at_the_root(self, archive):
-        """The two scripts are not in a folder of the zip, and are executable."""
+    def test_the_two_files_of_the_specification_are_scripts_at_the_root(self, archive, tmp_path):
         for name in ('setup.sh', 'run_autograder'):
-            entry = archive.getinfo(name)
-            assert stat.S_IMODE(entry.external_attr >> 16) == 0o755
+            assert stat.S_IMODE(archive.getinfo(name).external_attr >> 16) == 0o755
             assert archive.read(name).startswith(b'#!/usr/bin/env bash\n')
-
-    def test_the_scripts_are_scripts(self, archive, tmp_path):
-        for name in ('setup.sh', 'run_autograder'):
             (tmp_path / name).write_bytes(archive.read(name))
             subprocess.run(['bash', '-n', tmp_path / name], check=True)
 
     def test_it_holds_what_grading_needs(self, archive):
-        """The zip contains the hidden exams, the release, the reference and the set-up."""
         names = archive.namelist()
 
         for name in (
@@ -178,7 +169,6 @@ class TestZip:
         assert imported <= {name.partition('/')[0] for name in names}
 
     def test_it_has_the_same_hidden_inputs(self, archive):
-        """From the work folder, the zip contains only the secret."""
         work = [name for name in archive.namelist() if name.startswith('autograder/_work')]
 
         assert work == ['autograder/_work/course_secret']
@@ -186,7 +176,6 @@ class TestZip:
         assert stat.S_IMODE(archive.getinfo(work[0]).external_attr >> 16) == 0o600
 
     def test_it_is_small_enough_and_of_plain_names(self, archive):
-        """The zip contains no build, no link and no path that leads out of the folder."""
         for entry in archive.infolist():
             assert not os.path.isabs(entry.filename)
             assert not {'..', '__pycache__', 'ros_ws', '.git'} & set(entry.filename.split('/'))
@@ -227,6 +216,5 @@ class TestZip:
         assert capsys.readouterr().out == said
 
     def test_the_students_copy_cannot_make_one(self, tmp_path):
-        """A students' copy is refused, because it has no hidden exams."""
         with pytest.raises(GraderError, match='copy of the course has no hidden'):
             autograder_zip(Layout(tmp_path), ASSIGNMENT)

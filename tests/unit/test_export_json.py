@@ -19,12 +19,10 @@ VALID = Draft202012Validator(SCHEMA)
 
 @pytest.fixture
 def document():
-    """Return the exported class."""
     return json.loads(results_json(marked(CLASS, ABSENT)))
 
 
 def test_the_schema_is_one_of_the_draft_that_it_names():
-    """The schema is valid, and names the format and the version that the export writes."""
     Draft202012Validator.check_schema(SCHEMA)
 
     assert SCHEMA['properties']['format']['const'] == FORMAT
@@ -46,15 +44,18 @@ def test_a_class_follows_the_schema(document):
     ]
 
 
-def test_for_review_has_no_points_anywhere():
-    """A submission for review has no points, and neither do its exams and checks."""
-    review = ClassResults(REVIEW.assignment, (REVIEW,))
-    (one,) = json.loads(results_json(marked(review)))['submissions']
+@pytest.mark.parametrize(
+    ('result', 'status'),
+    [(REVIEW, 'for review'), (VISIBLE, 'only visible checks were run')],
+)
+def test_submission_without_a_mark_has_no_points_anywhere(result, status):
+    data = json.loads(results_json(marked(ClassResults(result.assignment, (result,)))))
+    VALID.validate(data)
+    (one,) = data['submissions']
 
-    assert one['points'] is None
-    for exam in one['exams']:
-        assert exam['points'] is None
-        assert {check['points'] for check in exam['checks']} == {None}
+    assert (one['status'], one['points']) == (status, None)
+    assert {check['points'] for exam in one['exams'] for check in exam['checks']} == {None}
+    assert {exam['points'] for exam in one['exams']} == {None}
 
 
 @pytest.mark.parametrize(
@@ -70,7 +71,6 @@ def test_for_review_has_no_points_anywhere():
     ],
 )
 def test_the_schema_refuses_what_contradicts_itself(document, number, change):
-    """The schema refuses a review with points, a grade without points, and unknown fields."""
     wrong = copy.deepcopy(document)
     wrong['submissions'][number].update(change)
 
@@ -79,7 +79,6 @@ def test_the_schema_refuses_what_contradicts_itself(document, number, change):
 
 
 def test_every_field_is_required(document):
-    """All fields are required, so that programs can rely on them."""
     parts = [
         (document, '$'),
         (document['submissions'][0], 'submission'),
@@ -93,13 +92,3 @@ def test_every_field_is_required(document):
             assert not VALID.is_valid(document), f'{kind} without {name}'
             part[name] = value
     assert VALID.is_valid(document)
-
-
-def test_visible_checks_alone_have_no_points_anywhere():
-    """A submission with only visible checks has no points, as in every other export."""
-    data = json.loads(results_json(marked(ClassResults(VISIBLE.assignment, (VISIBLE,)))))
-    VALID.validate(data)
-    (one,) = data['submissions']
-
-    assert (one['status'], one['points']) == ('only visible checks were run', None)
-    assert {check['points'] for exam in one['exams'] for check in exam['checks']} == {None}

@@ -8,7 +8,7 @@ and on a unique name for each case.
 import re
 from xml.etree import ElementTree
 
-from export_world import ABSENT, CLASS, EVIL, marked, REVIEW, submission
+from export_world import ABSENT, CLASS, marked, REVIEW, submission
 from hypothesis import given, settings, strategies
 import pytest
 
@@ -57,7 +57,6 @@ def read(*results, absent=()):
 
 
 def test_verdicts_become_passed_failure_and_skipped():
-    """A failed check shows all parts of its verdict."""
     (suite,) = read(submission())
     runs, warns, stops = suite.findall('testcase')
 
@@ -79,7 +78,6 @@ def test_for_review_is_an_error_of_its_own():
 
 
 def test_a_class_keeps_the_rules_whatever_it_wrote():
-    """Markup and forbidden characters do not break the document."""
     root = read(*CLASS.results)
 
     assert [len(list(suite)) > 0 for suite in root] == [True] * 5
@@ -90,7 +88,6 @@ def test_a_class_keeps_the_rules_whatever_it_wrote():
 def test_what_xml_does_not_have_is_replaced(character):
     """A character outside the production Char of XML 1.0, section 2.2, is replaced."""
     assert clean(f'a{character}b') == 'a\N{REPLACEMENT CHARACTER}b'
-    assert character in EVIL + '\x0b\uffff'
 
 
 @settings(deadline=None, max_examples=40)

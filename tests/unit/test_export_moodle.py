@@ -78,7 +78,6 @@ def test_a_replaced_grade_is_reported(student):
 
 
 def test_a_missing_student_keeps_the_cell():
-    """The cell of a missing student is kept and gets no zero."""
     done = moodle.fill(sheet(), 'g.csv', [Mark('Bo Berg', None, 6.5, MISSING)], {})
 
     assert done.left_out == [('Bo Berg', 'nothing handed in; Moodle keeps 3.00')]
@@ -86,14 +85,12 @@ def test_a_missing_student_keeps_the_cell():
 
 
 def test_a_worksheet_in_a_different_language_needs_the_name_of_its_column():
-    """The error lists the columns."""
     data = sheet(header=HEADER.replace(',Grade,', ',Bewertung,'))
     with pytest.raises(GraderError, match=r"no column 'Grade'.* Bewertung, Maximum Grade"):
         fill({'Ann Example': 1.0}, data)
 
-    assert (
-        grades(fill({'Ann Example': 1.0}, data, column='Bewertung').data)['Participant 311'] == '1'
-    )
+    filled = fill({'Ann Example': 1.0}, data, column='Bewertung')
+    assert grades(filled.data)['Participant 311'] == '1'
 
 
 def test_a_different_maximum_is_refused_or_scaled():
@@ -102,15 +99,15 @@ def test_a_different_maximum_is_refused_or_scaled():
     with pytest.raises(GraderError, match=r'expected 6\.5 points possible for Grade, got 10'):
         fill({'Ann Example': 3.25}, data)
 
-    assert fill({'Ann Example': 3.25}, data, scale=True).replaced == []
-    assert grades(fill({'Ann Example': 3.25}, data, scale=True).data)['Participant 311'] == '5'
+    scaled = fill({'Ann Example': 3.25}, data, scale=True)
+    assert scaled.replaced == []
+    assert grades(scaled.data)['Participant 311'] == '5'
 
 
 @pytest.mark.parametrize(
     'data', [b'', b'Student,ID\nann,x\n', HEADER.encode(), 'J\xf6rg'.encode('latin-1')]
 )
 def test_a_different_file_is_refused(data):
-    """The error says where to get the correct file."""
     with pytest.raises(GraderError, match='not a grading worksheet') as refused:
         moodle.fill(data, 'g.csv', [], {})
 

@@ -4,14 +4,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from autograder.results import (
-    CheckResult,
-    ExamResult,
-    Problem,
-    SubmissionResult,
-    Verdict,
-)
-from autograder.submission.notebook import StudentCell
+from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+from autograder.submission.notebook import marks_of, StudentCell
 from autograder.submission.submission import answer_files, extract, Opened, rebuild, with_reasons
 
 
@@ -27,7 +21,6 @@ EXAMS = (FakeExam('message', ('msg', 'xml')), FakeExam('talker', ('talker',)))
 
 
 def solution(grade_id, source):
-    """Return an answer cell of a release."""
     marks = {'grade_id': grade_id, 'solution': True}
     return {'cell_type': 'code', 'metadata': {'nbgrader': marks}, 'source': source}
 
@@ -42,13 +35,9 @@ RELEASE = {
 
 
 def files_of(**answers):
-    sources = {
-        cell['metadata']['nbgrader']['grade_id']: cell['source'] for cell in RELEASE['cells']
-    }
-    sources.update(answers)
-    student = [
-        StudentCell(name, 'code', text) for name, text in sources.items() if text is not None
-    ]
+    stubs = {marks_of(cell)['grade_id']: cell['source'] for cell in RELEASE['cells']}
+    sources = {**stubs, **answers}.items()
+    student = [StudentCell(name, 'code', text) for name, text in sources if text is not None]
     notebook, problems = rebuild(RELEASE, student, 'x')
     return extract(Opened(notebook, problems), EXAMS, RELEASE, 'x')
 
@@ -69,12 +58,10 @@ def test_answers_become_files_without_their_magic_line():
 
 
 def test_an_untouched_stub_is_a_file_too():
-    """An untouched stub is a file; the exam says that the answer is not written yet."""
     assert 'NotImplementedError' in files_of()['talker'].files['talker.py']
 
 
 def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
-    """A missing cell gives no file, unlike an untouched stub."""
     found = files_of(talker=None)
 
     assert found['talker'].files == {}
@@ -110,8 +97,6 @@ def test_blank_lines_above_the_magic_line_are_fine():
 
 
 def test_an_answer_that_is_not_there_points_to_the_note_that_says_why():
-    """In a damaged notebook, an answer that is missing points to the note about the damage."""
-
     def result(exam):
         missing = {'cause': 'The cell is missing.', 'cause_id': 'missing_file'}
         check = CheckResult('runs', 'It runs.', Verdict.FAILED, 0, 1, **missing)

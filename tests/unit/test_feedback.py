@@ -17,7 +17,7 @@ from autograder.explaining.feedback import (
 )
 from autograder.explaining.feedback_html import exam_html, section_id
 from autograder.results import CheckResult, ExamResult, Verdict
-from roslab.report import CheckReport
+from roslab.checking import CheckReport
 
 LONG = 'The readings of the sensor that is far away from everything are late. ' * 30
 EVIL = '<img src=x onerror=alert(1)>&"\x1b[31m'
@@ -37,10 +37,7 @@ def failing(**changes):
 
 
 def test_a_failed_check_says_five_things_in_order():
-    """The parts come in a fixed order below the sentence of the check, with its points."""
-    lines = check_lines(failing())
-
-    assert lines == [
+    assert check_lines(failing()) == [
         '[FAIL] It speaks twice a second. (0.5 of 2)',
         '       expected: one message every 0.5 s',
         '       observed: 3 messages in 6 s',
@@ -59,7 +56,6 @@ def test_what_is_not_known_is_not_said():
 
 
 def test_a_check_that_waits_names_the_sentence_it_waits_for():
-    """The text has the title of the other check, and not its name in the code."""
     waiting = CheckResult('text', 'It counts.', Verdict.NOT_RUN, 0, 1, waits_for='rate')
 
     first = replace(waiting, check='rate', title='It speaks.', waits_for='')
@@ -72,9 +68,7 @@ def test_a_check_that_waits_names_the_sentence_it_waits_for():
 @pytest.mark.parametrize('name', ['expected', 'observed', 'cause', 'try_this'])
 @pytest.mark.parametrize('text', [LONG, 'x' * 3000, 'word\n' * 300])
 def test_twelve_lines_are_enough_for_any_text(name, text):
-    """The longest part is shortened, with a note; the other parts are complete."""
-    check = failing(**{name: text})
-    lines = check_lines(check)
+    lines = check_lines(failing(**{name: text}))
 
     assert len(lines) <= MOST_LINES
     assert max(map(len, lines)) <= WIDTH
@@ -83,7 +77,6 @@ def test_twelve_lines_are_enough_for_any_text(name, text):
 
 
 def test_all_parts_may_be_long():
-    """Each part keeps at least one line."""
     check = failing(**dict.fromkeys(('expected', 'observed', 'cause', 'try_this', 'read'), LONG))
 
     assert len(check_lines(check)) <= MOST_LINES
@@ -91,7 +84,6 @@ def test_all_parts_may_be_long():
 
 
 def test_cause_is_printed_once_and_then_referred_to():
-    """Later checks refer to the check with the cause, and print their fix only if it differs."""
     first = failing()
     again = replace(first, check='again', title='It speaks for a minute.')
     other = replace(again, check='other', try_this='Call spin().')
@@ -107,7 +99,6 @@ def test_cause_is_printed_once_and_then_referred_to():
 
 
 def test_points_stay_together():
-    """No line break splits ``(1 of 1)``."""
     for length in range(60, 90):
         check = CheckResult('a', f'{"x " * (length // 2)}end.', Verdict.PASSED, 1, 1)
 
@@ -117,15 +108,13 @@ def test_points_stay_together():
 @pytest.mark.parametrize('text', ['short', LONG, EVIL])
 def test_html_says_the_same_words(text):
     check = failing(observed=text)
-    page = exam_html(ExamResult('talker', (check,)))
-    soup = BeautifulSoup(page, 'html.parser')
+    soup = BeautifulSoup(exam_html(ExamResult('talker', (check,))), 'html.parser')
     facts = [(name.text, text.text) for name, text in zip(soup('dt'), soup('dd'))]
 
     assert facts == feedback_items(check)
 
 
 def test_words_of_a_program_stay_words():
-    """Tags and control characters in a program's text have no effect."""
     result = ExamResult('talker', (failing(observed=EVIL, cause=EVIL, read=EVIL),), note=EVIL)
     page = exam_html(result, lessons={'': ''})
 
@@ -134,7 +123,6 @@ def test_words_of_a_program_stay_words():
 
 
 def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
-    """The link leads to the heading, in notebooks and in their HTML export."""
     result = ExamResult('talker', (failing(),))
 
     lessons = {'': 'topics.ipynb', '08': '../08_what_went_wrong/what_went_wrong.ipynb'}

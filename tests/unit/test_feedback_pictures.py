@@ -30,18 +30,11 @@ def end(topic=TOPIC, type_name=TYPE, kind='publisher', node='/lab/talker', **qos
 
 def said(second, topic=TOPIC, **more):
     """Return a message at a virtual time [s]."""
-    clock_ns = round(second * SECOND)
-    return {
-        'event': 'message',
-        'topic': topic,
-        'clock_ns': clock_ns,
-        'data': {'data': 'SECRET'},
-        **more,
-    }
+    facts = {'event': 'message', 'topic': topic, 'data': {'data': 'SECRET'}, **more}
+    return {**facts, 'clock_ns': round(second * SECOND)}
 
 
 def fed(count, topic='/t'):
-    """Return this many input events."""
     facts = {'event': 'input', 'topic': topic, 'clock_ns': None, 'data': {}}
     return [{**facts, 'index': number} for number in range(count)]
 
@@ -110,42 +103,47 @@ WRONG = Failed(expected='x', observed='y')
 RATE = {'expected': 'one message every 1 s for 10 s', 'observed': 'others'}
 
 
-class TestGraph:
-    """The graph shows which endpoints do not connect."""
+def has_refusal(picture):
+    """Return whether a picture is a graph with endpoints that do not match."""
+    arrows = picture['arrows'] if picture and picture['kind'] == 'graph' else []
+    return any('does not match' in arrow['remark'] for arrow in arrows)
 
+
+class TestGraph:
     def test_another_topic_is_beside_the_expected_one(self):
-        """The expected topic is dashed, with the reason."""
         picture = drawn(recorded(ends=[end('/lab/chater')]), WRONG)
-        shown = {
-            (one['node'], one['topic'], one['matched'], one['remark']) for one in picture['arrows']
-        }
+        names = 'node', 'topic', 'matched', 'remark'
+        shown = {tuple(one[name] for name in names) for one in picture['arrows']}
 
         assert picture['kind'] == 'graph'
-        assert ('/lab/talker', TOPIC, False, 'expected here, but missing') in shown
-        assert ('/lab/talker', '/lab/chater', True, 'not required') in shown
-        assert '/chatter' not in {topic for _, topic, _, _ in shown}
+        assert shown == {
+            ('/lab/talker', TOPIC, False, 'expected here, but missing'),
+            ('/lab/talker', '/lab/chater', True, 'not required'),
+            ('the checks, listening', TOPIC, False, ''),
+        }
 
-    def test_another_type_names_both(self):
-        picture = drawn(
-            recorded(ends=[end(type_name='std_msgs/msg/Int32')]),
-            WRONG,
-        )
-
-        assert picture['arrows'][0]['remark'] == (
-            'expected std_msgs/msg/String, but yours is std_msgs/msg/Int32'
-        )
-
-    def test_a_quality_of_service_is_that_of_the_check(self):
-        failure = Failed(
-            expected='reliability RELIABLE',
-            observed='reliability BEST_EFFORT',
-            why=Cause('qos_reliability', 'Another one.', 'Pass 10.'),
-        )
-        picture = drawn(recorded(ends=[end(reliability='BEST_EFFORT')]), failure)
-
-        assert picture['arrows'][0]['remark'] == (
-            'expected reliability RELIABLE, observed reliability BEST_EFFORT'
-        )
+    @pytest.mark.parametrize(
+        ('endpoint', 'failure', 'remark'),
+        [
+            (
+                end(type_name='std_msgs/msg/Int32'),
+                WRONG,
+                'expected std_msgs/msg/String, but yours is std_msgs/msg/Int32',
+            ),
+            (
+                end(reliability='BEST_EFFORT'),
+                Failed(
+                    expected='reliability RELIABLE',
+                    observed='reliability BEST_EFFORT',
+                    why=Cause('qos_reliability', 'Another one.', 'Pass 10.'),
+                ),
+                'expected reliability RELIABLE, observed reliability BEST_EFFORT',
+            ),
+        ],
+        ids=['type', 'quality of service'],
+    )
+    def test_another_type_or_quality_of_service_is_named(self, endpoint, failure, remark):
+        assert drawn(recorded(ends=[endpoint]), failure)['arrows'][0]['remark'] == remark
 
     def test_quality_of_service_of_one_topic_leaves_the_others_as_they_should_be(self):
         """A check of a publisher does not change the node's subscription in the picture."""
@@ -174,9 +172,8 @@ class TestGraph:
             failure,
             steps=(Join('late', TOPIC, TYPE), Advance(10.0)),
         )
-        arrows = picture['arrows'] if picture and picture['kind'] == 'graph' else []
 
-        assert any('does not match' in arrow['remark'] for arrow in arrows) is shown
+        assert has_refusal(picture) is shown
 
     @pytest.mark.parametrize('matched', [True, False])
     def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):
@@ -191,24 +188,23 @@ class TestGraph:
             failure,
             steps=(*offers, Advance(1.0)),
         )
-        arrows = picture['arrows'] if picture and picture['kind'] == 'graph' else []
 
-        assert any('does not match' in arrow['remark'] for arrow in arrows) is not matched
+        assert has_refusal(picture) is not matched
 
-    def test_a_value_in_a_message_needs_no_picture(self):
-        failure = Failed(expected="unit 'Celsius' in every message", observed='others')
+    def test_a_value_in_a_message_and_a_program_without_a_node_have_no_picture(self):
+        value = Failed(expected="unit 'Celsius' in every message", observed='others')
 
-        assert drawn(recorded(said(1.0)), failure) is None
-
-    def test_a_program_that_made_no_node_has_no_picture(self):
+        assert drawn(recorded(said(1.0)), value) is None
         assert drawn(recorded(ends=[], nodes=[]), Failed(**RATE)) is None
+
+
+LOG = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
 
 
 class TestTimeline:
     """The timeline shows messages that came too rarely, too often or too late."""
 
     def test_the_rows_are_what_was_due_and_what_came(self):
-        """One row has the expected times and one the observed times; the deviation is marked."""
         failure = Failed(**RATE, at=3 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one + 0.1) for one in (1, 2, 4))), failure)
         due, came = picture['rows']
@@ -228,46 +224,28 @@ class TestTimeline:
         assert 'one every 1 s' in picture_html(picture)
         assert 'ROS seconds' in picture_html(picture)
 
-    def test_words_tell_the_part_that_is_shown_from_the_whole(self):
-        """The text gives the number of all messages, and of those in the picture."""
-        failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
-        picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
-        words = timeline_words(picture)
-        shown = len(picture['rows'][1]['times'])
-
-        assert f'59 in the run, {shown} of them shown, from' in words
-
     def test_silence_is_a_row_too(self):
-        """Without messages, the row of expected times is above an empty row."""
         picture = drawn(recorded(), Failed(**RATE, every_s=1.0))
 
         assert [row['count'] for row in picture['rows']] == [10, 0]
 
     def test_inputs_and_log_lines_are_numbered_by_message(self):
-        picture = of_lines(logged(1))
+        """A line before the first input counts too: a check may concern such lines."""
+        picture = of_lines(logged(None), logged(1))
 
         assert picture['unit'] == 'input'
-        assert [(row['label'], row['times']) for row in picture['rows']] == [
-            ('sent on /t', [1.0, 2.0, 3.0]),
-            ('WARN lines', [2.0]),
+        assert [(row['label'], row['times'], row['count']) for row in picture['rows']] == [
+            ('sent on /t', [1.0, 2.0, 3.0], 3),
+            ('WARN lines', [0.0, 2.0], 2),
         ]
-
-    def test_line_before_the_first_input_is_counted_and_drawn(self):
-        """A check may concern lines that no input caused."""
-        picture = of_lines(logged(None), logged(2))
-        row = picture['rows'][1]
-
-        assert (row['count'], row['times']) == (2, [0.0, 3.0])
         assert (picture['begin'], picture['end']) == (0.0, 3.0)
 
     def test_line_of_another_logger_is_not_counted(self):
-        """A check of a single node ignores another logger's lines too."""
         picture = of_lines(logged(1, 'mine'), logged(2, 'lab.talker.child'))
 
         assert picture['rows'][1]['times'] == [3.0]
 
     def test_difference_at_an_input_that_was_not_sent_is_on_the_axis(self):
-        """The rows end where the run ended; the mark is at the missing input."""
         picture = of_lines(logged(0), logged(1), logged(2), place=4)
 
         assert (picture['end'], picture['deviation']) == (5.0, 5.0)
@@ -286,11 +264,10 @@ class TestTimeline:
 
     @pytest.mark.parametrize('name', ['/lab/keeper', 'the keeper'])
     def test_lines_are_those_of_the_node_that_is_meant(self, name):
-        """If a program has two nodes, the lines are those of the node in the check."""
-        log = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
         failure = Failed(expected=f'7 INFO lines from {name} in 14 s', observed='none')
         picture = drawn(
-            recorded({**log, 'name': 'lab.talker'}, nodes=['/lab/keeper', '/lab/talker']), failure
+            recorded({**LOG, 'name': 'lab.talker'}, nodes=['/lab/keeper', '/lab/talker']),
+            failure,
         )
 
         assert [(row['label'], row['count']) for row in picture['rows']] == [
@@ -299,10 +276,9 @@ class TestTimeline:
 
     def test_all_lines_are_in_one_row_if_the_check_names_none_of_the_nodes(self):
         """So no line is missing, even that of a logger that belongs to no node."""
-        log = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
         nodes = [f'/lab/node_{number}' for number in range(9)]
         names = [f'lab.node_{number}' for number in range(9)]
-        lines = [{**log, 'name': name} for name in (*names, 'rcl')]
+        lines = [{**LOG, 'name': name} for name in (*names, 'rcl')]
         failure = Failed(expected='7 INFO lines in 14 s', observed='others')
         picture = drawn(recorded(*lines, nodes=nodes), failure)
 
@@ -315,13 +291,13 @@ class TestTimeline:
 
         assert picture['end'] - picture['begin'] <= 24
         assert picture['begin'] < 30 < picture['end']
-        assert picture['rows'][1]['count'] == 59
-        assert all(
-            picture['begin'] <= time <= picture['end'] for time in picture['rows'][1]['times']
-        )
+        row = picture['rows'][1]
+        assert row['count'] == 59
+        assert all(picture['begin'] <= time <= picture['end'] for time in row['times'])
+        words = f'59 in the run, {len(row["times"])} of them shown, from'
+        assert words in timeline_words(picture)
 
     def test_part_of_a_long_run_shows_every_message(self):
-        """If a message were left out, the picture would seem to show a missed period."""
         events = [said(number / 2) for number in range(1000)]
         picture = drawn(recorded(*events), Failed(**RATE, at=100 * SECOND, every_s=1.0))
 
@@ -365,7 +341,6 @@ class TestDrawing:
         return drawn(recorded(said(1, EVIL), ends=[end(EVIL)]), failure, watch={EVIL: TYPE})
 
     def test_it_is_well_formed_and_has_a_name_and_words(self, picture):
-        """The picture has a name and a description; it runs no code and loads no file."""
         page = picture_html(picture)
         tree = ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
         names = {one.tag.rpartition('}')[2] for one in tree.iter()}
@@ -377,16 +352,13 @@ class TestDrawing:
         assert 'http' not in page.replace('http://www.w3.org/2000/svg', '')
 
     def test_equal_results_give_equal_pages(self, picture):
-        """The pages contain no id that depends on the process."""
         assert picture_html(picture) == picture_html(json.loads(json.dumps(picture)))
 
-    def test_it_is_part_of_the_feedback(self, picture):
-        """The picture is below the text of its check."""
+    def test_result_without_a_picture_has_none(self):
         assert picture_html({}) == ''
         assert '<svg' not in exam_html(ExamResult('talker', ()))
 
     def test_size_is_bounded(self, monkeypatch):
-        """The size is limited, even for endless messages and names."""
         monkeypatch.setattr(picture_data, 'MOST_EVENTS', 1000)
         topic = f'/{"x" * 255}'
         events = [said(one / 1000, topic) for one in range(20_000)]

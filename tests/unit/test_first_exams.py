@@ -14,11 +14,6 @@ WATCHED = {'event': 'mark', 'name': harbour.WATCH, 'clock_ns': 550_000_000}
 RUNS = [{'event': 'end', 'reason': 'complete'}, {'event': 'process'}]
 
 
-def judge_of(module, check):
-    """Return the function that judges a check of an exam."""
-    return next(one.judge for one in module.exam.checks if one.name == check)
-
-
 def log(clock_s, text, level=INFO, name='n.night_watch'):
     clock_ns = round(clock_s * 1e9)
     return {'event': 'log', 'clock_ns': clock_ns, 'name': name, 'level': level, 'text': text}
@@ -49,17 +44,20 @@ def cause_of(check, run):
     return failed.value.why and failed.value.why.cause_id
 
 
+def passes(run):
+    """Call each check of the night watch, which raises nothing."""
+    night_watch.reports_every_second(run)
+    night_watch.lines_are_numbered(run)
+    night_watch.every_fifth_is_a_warning(run)
+
+
 class TestNightWatch:
     """The lines of a night: one per second, numbered, and every fifth one a warning."""
 
     @pytest.mark.parametrize('text', ['watch {}', '{:03d}', '{} of 99', 'watch={}.0'])
     def test_any_form_of_the_number_passes(self, text):
         """The number may have leading zeros, or a second number next to it."""
-        run = night(*watches(text=text))
-
-        night_watch.reports_every_second(run)
-        night_watch.lines_are_numbered(run)
-        night_watch.every_fifth_is_a_warning(run)
+        passes(night(*watches(text=text)))
 
     @pytest.mark.parametrize(
         ('argument', 'cause_id'),
@@ -85,11 +83,7 @@ class TestNightWatch:
         levels = watches(
             level=lambda place: INFO if (place + first - 1) % 5 else WARN, first=first
         )
-        run = night(*levels, start=start)
-
-        night_watch.reports_every_second(run)
-        night_watch.lines_are_numbered(run)
-        night_watch.every_fifth_is_a_warning(run)
+        passes(night(*levels, start=start))
 
     @pytest.mark.parametrize(
         ('lines', 'cause_id'),
@@ -121,16 +115,7 @@ class TestNightWatch:
         ],
     )
     def test_wrong_level_is_explained(self, level, cause_id):
-        run = night(*watches(level))
-
-        assert cause_of(night_watch.every_fifth_is_a_warning, run) == cause_id
-
-    def test_fifth_watch_that_is_left_out_is_reported_everywhere(self):
-        """The missing line shifts all later lines, so other causes would be false."""
-        run = night(*[line if number % 5 else None for number, line in enumerate(watches(), 1)])
-
-        assert cause_of(night_watch.reports_every_second, run) == 'fifth_missing'
-        assert cause_of(night_watch.lines_are_numbered, run) == 'fifth_missing'
+        assert cause_of(night_watch.every_fifth_is_a_warning, night(*watches(level))) == cause_id
 
     @pytest.mark.parametrize(
         ('form', 'code', 'cause_id'),
@@ -149,6 +134,8 @@ class TestNightWatch:
         run = night(*lines, code=code, printed=''.join(map(form.format, numbers)))
 
         assert cause_of(night_watch.reports_every_second, run) == cause_id
+        if not form and not code:  # The missing line shifts all later lines.
+            assert cause_of(night_watch.lines_are_numbered, run) == cause_id
 
     @pytest.mark.parametrize(
         ('form', 'code', 'cause_id'),
@@ -167,14 +154,17 @@ class TestNightWatch:
         assert cause_of(night_watch.reports_every_second, run) == cause_id
         assert cause_of(night_watch.lines_are_numbered, run) == cause_id
 
-    def test_rate_that_is_even_is_reported_and_one_with_holes_is_not(self):
-        """One line every two seconds is an even rate; a rhythm with gaps has no rate."""
-        other = [line if number % 2 else None for number, line in enumerate(watches(), 1)]
-        holes = [None if number in (4, 9) else line for number, line in enumerate(watches(), 1)]
-        check = night_watch.reports_every_second
+    @pytest.mark.parametrize(
+        ('logged', 'cause_id'),
+        [
+            (lambda number: number % 2, 'wrong_rate'),
+            (lambda number: number not in (4, 9), 'some_missing'),
+        ],
+    )
+    def test_rate_that_is_even_is_reported_and_one_with_holes_is_not(self, logged, cause_id):
+        lines = [line if logged(number) else None for number, line in enumerate(watches(), 1)]
 
-        assert cause_of(check, night(*other)) == 'wrong_rate'
-        assert cause_of(check, night(*holes)) == 'some_missing'
+        assert cause_of(night_watch.reports_every_second, night(*lines)) == cause_id
 
 
 class TestHarbour:
@@ -207,7 +197,6 @@ class TestHarbour:
         ],
     )
     def test_other_rhythm_is_explained(self, moments, code, cause_id):
-        """If the keeper is silent, its code helps to find the cause."""
         run = self.keeper(*moments, code=code)
 
         assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
@@ -219,6 +208,9 @@ class TestHarbour:
         run = self.keeper(2.1, 6.1, 8.1, warned=warned)
 
         assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
+
+
+SLEEPS = 'def speak(self):\n    time.sleep(2.0)\n'
 
 
 class TestTalker:
@@ -269,12 +261,8 @@ class TestTalker:
             (1.0, '', 'wrong_rate'),
             (0.0, '', 'several_at_once'),
             (0.45, '', 'wrong_rate'),
-            (2.0, 'def speak(self):\n    time.sleep(2.0)\n', 'wrong_rate'),
-            (
-                2.0,
-                'self.create_timer(0.5, self.speak)\ndef speak(self):\n    time.sleep(2.0)\n',
-                'sleeps_in_callback',
-            ),
+            (2.0, SLEEPS, 'wrong_rate'),
+            (2.0, f'self.create_timer(0.5, self.speak)\n{SLEEPS}', 'sleeps_in_callback'),
         ],
     )
     def test_wrong_rate_is_explained(self, period_s, code, cause_id):
@@ -296,36 +284,20 @@ class TestCourier:
         :param lost: number of parcels that were sent earlier, without a subscription
         :param lives: the graphs that contain the courier's publisher
         """
-        end = {
-            'topic': courier.TOPIC,
-            'kind': 'publisher',
-            'node': courier.NODE,
-            'type': courier.TYPE,
-            'qos': {**DEPTH_10, 'durability': durability},
-        }
+        end = {'topic': courier.TOPIC, 'kind': 'publisher', 'node': courier.NODE}
+        end |= {'type': courier.TYPE, 'qos': {**DEPTH_10, 'durability': durability}}
+        graph = {'event': 'graph', 'nodes': [courier.NODE], 'endpoints': [end]}
+        parcel = {'event': 'message', 'topic': courier.TOPIC, 'data': {'data': courier.TEXT}}
         events = []
         for place, phase in enumerate(('first', 'second', 'third')):
-            at = {'clock_ns': place * 10**10}
-            events += [
-                {'event': 'mark', 'name': phase, **at},
-                {'event': 'joined', 'listener': phase, **at},
-            ]
-            events += [
-                {
-                    'event': 'message',
-                    'topic': courier.TOPIC,
-                    'listener': listener,
-                    'number': lost + 1,
-                    'data': {'data': courier.TEXT},
-                    **at,
-                }
+            happened = [{'event': 'mark', 'name': phase}, {'event': 'joined', 'listener': phase}]
+            happened += [
+                {**parcel, 'listener': listener, 'number': lost + 1}
                 for when, listener in heard
                 if when == phase
             ]
-        graphs = [
-            {'event': 'graph', 'when': when, 'nodes': [courier.NODE], 'endpoints': [end]}
-            for when in ('start', *lives)
-        ]
+            events += [{**one, 'clock_ns': place * 10**10} for one in happened]
+        graphs = [{**graph, 'when': when} for when in ('start', *lives)]
         ended = {'event': 'end', 'reason': 'complete' if exit is None else 'student_exited'}
         process = {'event': 'process', 'exit': exit}
         return Run({'courier.py': code}, Recording({}, (*graphs, *events, ended, process)))
@@ -381,7 +353,6 @@ class TestCourier:
         ],
     )
     def test_second_parcel_is_explained(self, heard, cause_id):
-        """The second parcel goes to the same subscription, or to one that joins later."""
         assert cause_of(courier.delivers_once, self.run_of(*heard)) == cause_id
 
     def test_parcel_that_nobody_could_receive_counts(self):
@@ -403,6 +374,17 @@ class TestCourier:
 
 
 class TestRunningMean:
+    @staticmethod
+    def mean(value, after_input):
+        facts = {'event': 'message', 'topic': '/mean', 'data': {'data': value}}
+        return {**facts, 'after_input': after_input}
+
+    @staticmethod
+    def cause(check, *events):
+        """Return the id of the cause for which a check fails in a run with these events."""
+        judge = next(one.judge for one in running_mean.exam.checks if one.name == check)
+        return cause_of(judge, Run({}, Recording({}, (*events, *RUNS)), running_mean.exam.facts))
+
     @pytest.mark.parametrize(
         ('answers', 'cause_id'),
         [
@@ -418,22 +400,11 @@ class TestRunningMean:
     )
     def test_wrong_mean_is_explained(self, answers, cause_id):
         """Only a cause that fits every answer is named."""
-        events = [
-            event
-            for place, answer in enumerate(answers)
-            for event in (
-                {'event': 'input', 'index': place},
-                {
-                    'event': 'message',
-                    'topic': '/mean',
-                    'after_input': place,
-                    'data': {'data': answer},
-                },
-            )
-        ]
-        run = Run({}, Recording({}, (*events, *RUNS)), running_mean.exam.facts)
+        inputs = [{'event': 'input', 'index': place} for place, _ in enumerate(answers)]
+        said = [self.mean(answer, place) for place, answer in enumerate(answers)]
+        events = [event for both in zip(inputs, said) for event in both]
 
-        assert cause_of(judge_of(running_mean, 'publishes_the_mean'), run) == cause_id
+        assert self.cause('publishes_the_mean', *events) == cause_id
 
     def test_two_topics_that_changed_places_are_named_together(self):
         """Neither topic has a wrong name: their directions are swapped."""
@@ -443,15 +414,8 @@ class TestRunningMean:
         ]
         graph = {'event': 'graph', 'nodes': ['/running_mean'], 'endpoints': ends}
 
-        run = Run({}, Recording({}, (graph, *RUNS)), running_mean.exam.facts)
-
-        check = judge_of(running_mean, 'reads_and_writes')
-
-        assert cause_of(check, run) == 'wrong_direction'
+        assert self.cause('reads_and_writes', graph) == 'wrong_direction'
 
     def test_message_before_the_first_number_is_no_answer(self):
         """Code other than the callback has published such a message."""
-        early = {'event': 'message', 'topic': '/mean', 'after_input': None, 'data': {'data': 0.0}}
-        run = Run({}, Recording({}, (early, *RUNS)), running_mean.exam.facts)
-
-        assert cause_of(judge_of(running_mean, 'answers_every_number'), run) == 'speaks_unasked'
+        assert self.cause('answers_every_number', self.mean(0.0, None)) == 'speaks_unasked'

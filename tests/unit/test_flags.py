@@ -11,7 +11,6 @@ NODE = '/talker'
 
 
 def end(topic, node=NODE, kind='publisher'):
-    """Return an endpoint as in a recording."""
     return {'topic': topic, 'kind': kind, 'node': node, 'type': 'x/msg/X'}
 
 
@@ -33,8 +32,18 @@ def test_flag_of_a_killed_compiler():
     assert flags_of(run, Scenario()) == ()
 
 
-def test_honest_run_has_no_flag():
-    assert flags_of(recording(endpoints=[end('/chatter')]), Scenario()) == ()
+@pytest.mark.parametrize(
+    'run',
+    [
+        recording(endpoints=[end('/chatter')]),
+        # Each of two nodes may have its own publisher on /rosout.
+        recording(nodes=[NODE, '/listener'], endpoints=[end('/rosout', '/listener')]),
+        # An endpoint may be discovered before the name of its node.
+        recording(nodes=[]),
+    ],
+)
+def test_honest_run_has_no_flag(run):
+    assert flags_of(run, Scenario()) == ()
 
 
 @pytest.mark.parametrize(
@@ -63,17 +72,3 @@ def test_what_is_odd_is_said(run, flag):
     )
 
     assert [flag in line for line in flags_of(run, scenario)] == [True]
-
-
-def test_two_nodes_have_two_publishers_each_of_their_own():
-    """Each of two nodes may have its own publisher on /rosout."""
-    run = recording(nodes=[NODE, '/listener'], endpoints=[end('/rosout', '/listener')])
-
-    assert flags_of(run, Scenario()) == ()
-
-
-def test_first_news_of_a_node_without_its_name_is_no_flag():
-    """An endpoint may be discovered before the name of its node."""
-    run = recording(nodes=[])
-
-    assert flags_of(run, Scenario()) == ()

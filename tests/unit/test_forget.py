@@ -5,9 +5,9 @@ from unittest.mock import Mock
 
 from collect_sources import (
     CANVAS,
+    configure,
     GOOD,
     laid,
-    layout,  # noqa: F401 - a fixture
     packed,
     TALK,
 )
@@ -20,17 +20,13 @@ from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import last_results
 from autograder.collect.copy_notebooks import collect
 from autograder.commands import forget, OK
-from autograder.layout import Layout
 
 
 @pytest.fixture
-def course(layout, tmp_path, monkeypatch):
+def course(gather, here, tmp_path):
     """Return a course with a class from Canvas, without a gradebook."""
-    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
-    settings = f"c.CourseDirectory.db_url = 'sqlite:///{tmp_path}/none.db'\n"
-    (layout.root / 'nbgrader_config.py').write_text(f'c = get_config()\n{settings}', 'utf-8')
-    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
-    return layout
+    gather(CANVAS, packed)
+    return configure(here.root, f'sqlite:///{tmp_path}/none.db')
 
 
 def students(course):
@@ -60,7 +56,6 @@ def test_list_has_everything_and_changes_nothing(course, capsys):
 
 
 def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
-    """A student without a submission also leaves the list of missing work in the reports."""
     laid(course.work, {'feedback/1001/x.html': b''})
     write_all_reports(course, TALK, [submission('1001'), submission('1002')])
     page = course.reports / TALK / 'class.html'

@@ -5,6 +5,7 @@ from pathlib import Path
 import sqlite3
 import sys
 
+from collect_sources import configure, laid
 import pytest
 
 from autograder.collect.course import due_dates
@@ -20,24 +21,34 @@ from autograder.gradebook.journal import (
 from autograder.layout import Layout
 
 
-def course(folder, url):
-    text = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n'
-    (folder / 'nbgrader_config.py').write_text(text, encoding='utf-8')
-    return Layout(folder)
+@pytest.fixture
+def course(tmp_path):
+    """Return a course without a gradebook; its settings name a file."""
+    return configure(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
 
 
-def test_a_gradebook_that_is_not_there_yet_is_not_made(tmp_path):
-    with connected(course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')) as gradebook:
+@pytest.fixture
+def sql(tmp_path):
+    """Return a function that executes a statement in the gradebook file of the course."""
+
+    def execute_sql(statement):
+        with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
+            file.execute(statement)
+
+    return execute_sql
+
+
+def test_a_gradebook_that_is_not_there_yet_is_not_made(course):
+    with connected(course) as gradebook:
         assert gradebook is None
 
-    assert not (tmp_path / 'gradebook.db').exists()
+    assert not (course.root / 'gradebook.db').exists()
 
 
 def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
-    """The message shows no password, whether or not the optional driver is installed."""
     url = 'postgresql+psycopg://grader:secret@127.0.0.1:1/marks'
 
-    with pytest.raises(GraderError) as caught, connected(course(tmp_path, url)):
+    with pytest.raises(GraderError) as caught, connected(configure(tmp_path, url)):
         pass
 
     assert 'grader:***@127.0.0.1:1/marks: ' in caught.value.what
@@ -46,11 +57,10 @@ def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
 
 
 @pytest.fixture
-def filled(tmp_path):
+def filled(course, sql):
     """Return a course whose gradebook file has one table."""
-    with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
-        file.execute('create table grade (id text)')
-    return course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+    sql('create table grade (id text)')
+    return course
 
 
 def execute(layout, *statements):
@@ -79,13 +89,11 @@ def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advic
     assert 'server' not in caught.value.fix
 
 
-def test_a_database_without_the_tables_has_no_rows(tmp_path):
-    with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
-        file.execute('create table other (id text)')
-    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+def test_a_database_without_the_tables_has_no_rows(course, sql):
+    sql('create table other (id text)')
 
-    assert gradebook_values(layout, '01_topics') == {}
-    assert due_dates(layout).problem == ''
+    assert gradebook_values(course, '01_topics') == {}
+    assert due_dates(course).problem == ''
 
 
 def journals(layout):
@@ -109,20 +117,17 @@ def test_nothing_about_a_student_stays_in_the_journals(tmp_path):
 
 
 @pytest.mark.nbgrader
-def test_a_new_gradebook_begins_without_journals(tmp_path):
-    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
-    (layout.notebooks / '01_topics').mkdir(parents=True)
-    (layout.notebooks / '01_topics' / 'topics.ipynb').touch()
-    found = journals(layout)
+def test_a_new_gradebook_begins_without_journals(course):
+    laid(course.notebooks, {'01_topics/topics.ipynb': b''})
+    found = journals(course)
 
-    make_gradebook(layout)
+    make_gradebook(course)
 
     assert not any(path.exists() for path in found)
 
 
 @pytest.mark.slow
 def test_a_locked_gradebook_file_is_one_line(filled):
-    """The message tells the instructor to close the program that holds the lock."""
     with closing(sqlite3.connect(filled.root / 'gradebook.db')) as other:
         other.execute('begin exclusive')
         with pytest.raises(GraderError) as caught:
@@ -133,61 +138,53 @@ def test_a_locked_gradebook_file_is_one_line(filled):
 
 
 @pytest.mark.nbgrader
-def test_a_gradebook_that_has_lost_a_table_is_refused(tmp_path):
+def test_a_gradebook_that_has_lost_a_table_is_refused(course, sql):
     """Otherwise nbgrader would create an empty table, which would hide the loss of its rows."""
-    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
-    refuse_incomplete(layout)
-    make_gradebook(layout)
-    refuse_incomplete(layout)
-    with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
-        file.execute('drop table comment')
+    refuse_incomplete(course)
+    make_gradebook(course)
+    refuse_incomplete(course)
+    sql('drop table comment')
 
     with pytest.raises(GraderError, match='the gradebook cannot be used: no such table: comment'):
-        refuse_incomplete(layout)
+        refuse_incomplete(course)
 
 
 @pytest.mark.nbgrader
-def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkeypatch):
+def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(course, monkeypatch):
     """With this version, a later nbgrader can upgrade the gradebook by itself."""
     from nbgrader.api import get_alembic_version
 
     monkeypatch.setenv('PATH', str(Path(sys.prefix) / 'bin'))
     version = get_alembic_version()
-    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
     monkeypatch.setenv('PATH', '')
-    make_gradebook(layout)
+    make_gradebook(course)
 
-    with connected(layout) as gradebook:
-        assert gradebook.exec_driver_sql('select * from alembic_version').fetchall() == [
-            (version,)
-        ]
+    with connected(course) as gradebook:
+        rows = gradebook.exec_driver_sql('select * from alembic_version').fetchall()
+    assert rows == [(version,)]
 
 
 @pytest.mark.nbgrader
-def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
-    """The message contains no traceback from SQLAlchemy."""
+def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(course):
     from autograder.gradebook.converters import opened_gradebook
 
-    (tmp_path / 'gradebook.db').write_bytes(b'no database' * 100)
-    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+    (course.root / 'gradebook.db').write_bytes(b'no database' * 100)
 
-    with pytest.raises(GraderError) as caught, opened_gradebook(layout):
-        pass
-
-    assert 'the gradebook is damaged: file is not a database' in caught.value.what
+    with pytest.raises(GraderError, match='the gradebook is damaged: file is not a database'):
+        with opened_gradebook(course):
+            pass
 
 
 @pytest.mark.nbgrader
-def test_an_entry_that_nbgrader_refuses_is_one_sentence(tmp_path):
+def test_an_entry_that_nbgrader_refuses_is_one_sentence(course):
     """Another program may have changed the gradebook meanwhile; the database itself works."""
     from nbgrader.api import InvalidEntry
 
     from autograder.gradebook.converters import opened_gradebook
 
-    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
-    make_gradebook(layout)
+    make_gradebook(course)
 
-    with pytest.raises(GraderError) as caught, opened_gradebook(layout):
+    with pytest.raises(GraderError) as caught, opened_gradebook(course):
         raise InvalidEntry
 
     assert caught.value.what == 'nbgrader cannot use its gradebook: InvalidEntry.'

@@ -1,17 +1,17 @@
 """Dated copies of the gradebook, and a gradebook that has lost its content."""
 
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 import os
 import sqlite3
 import subprocess
 import time
 
+from collect_sources import configure
 import pytest
 
 from autograder.errors import GraderError
 from autograder.gradebook import database
 from autograder.gradebook.database import connected, refuse_damaged, save_copy
-from autograder.layout import Layout
 
 GMTIME = time.gmtime
 
@@ -20,10 +20,7 @@ GMTIME = time.gmtime
 def course(tmp_path):
     """Return a course whose gradebook has two submissions."""
     url = f'sqlite:///{tmp_path}/autograder/_work/gradebook.db'
-    (tmp_path / 'nbgrader_config.py').write_text(
-        f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n', encoding='utf-8'
-    )
-    layout = Layout(tmp_path)
+    layout = configure(tmp_path, url)
     (layout.work / 'entered').mkdir(parents=True)
     (layout.work / 'entered' / '01.json').write_bytes(b'{"ann": "12345678"}')
     submit(layout, 'ann', 'bob', fill='x' * 20_000)
@@ -35,19 +32,15 @@ def gradebook(layout):
 
 
 def submit(layout, *students, fill=''):
-    book = sqlite3.connect(gradebook(layout))
-    book.execute('create table if not exists submitted_assignment (student text, fill text)')
-    for student in students:
-        book.execute('insert into submitted_assignment values (?, ?)', (student, fill))
-    book.commit()
-    book.close()
+    with closing(sqlite3.connect(gradebook(layout))) as book, book:
+        book.execute('create table if not exists submitted_assignment (student text, fill text)')
+        for student in students:
+            book.execute('insert into submitted_assignment values (?, ?)', (student, fill))
 
 
 def students(path):
-    book = sqlite3.connect(path)
-    found = [name for (name,) in book.execute('select student from submitted_assignment')]
-    book.close()
-    return found
+    with closing(sqlite3.connect(path)) as book:
+        return [one for (one,) in book.execute('select student from submitted_assignment')]
 
 
 @pytest.fixture
@@ -63,7 +56,6 @@ def at(monkeypatch):
 
 
 def test_a_copy_has_what_the_gradebook_had(course, at):
-    """The copy is named after its date, and no unfinished file is left."""
     copy = save_copy(course)
     submit(course, 'cho')
 
@@ -84,7 +76,6 @@ def test_an_unchanged_gradebook_is_not_copied_again(course, at):
 
 
 def test_number_of_copies_is_bounded(course, at, monkeypatch):
-    """The newest copies and the first copy of each recent day are kept."""
     monkeypatch.setattr(database, 'MAX_RECENT', 2)
     monkeypatch.setattr(database, 'MAX_DAYS', 3)
     for day in range(5):
@@ -104,7 +95,6 @@ def test_number_of_copies_is_bounded(course, at, monkeypatch):
 
 
 def test_size_of_copies_is_bounded(course, at, monkeypatch):
-    """The newest copy is kept, whatever its size is."""
     size = save_copy(course).stat().st_size
     monkeypatch.setattr(database, 'MAX_BYTES', 2 * size + 100)
     for day in range(1, 4):
@@ -120,37 +110,24 @@ def test_size_of_copies_is_bounded(course, at, monkeypatch):
     assert [one.name for one in database.copies(course)] == ['2027-01-19_080000Z.db']
 
 
-def empty(path):
-    """Remove all content."""
-    path.write_bytes(b'')
-
-
-def truncate(path):
-    """Keep the first half of the file."""
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-
-
-def break_off_early(path):
-    """Keep part of the header."""
-    path.write_bytes(path.read_bytes()[:60])
-
-
-def replace_by_text(path):
-    """Replace the content with a string."""
-    path.write_bytes(b'no database' * 100)
-
-
 def take_rows(path):
     """Keep only the tables, as formgrader does with an empty file."""
-    book = sqlite3.connect(path)
-    book.execute('delete from submitted_assignment')
-    book.commit()
-    book.close()
+    with closing(sqlite3.connect(path)) as book, book:
+        book.execute('delete from submitted_assignment')
 
 
-@pytest.mark.parametrize('damage', [empty, truncate, break_off_early, replace_by_text, take_rows])
+@pytest.mark.parametrize(
+    'damage',
+    [
+        lambda path: path.write_bytes(b''),
+        lambda path: os.truncate(path, path.stat().st_size // 2),
+        lambda path: os.truncate(path, 60),
+        lambda path: path.write_bytes(b'no database' * 100),
+        take_rows,
+    ],
+    ids=['empty', 'half', 'part of the header', 'text', 'without rows'],
+)
 def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, damage):
-    """The message shows the command that restores the copy."""
     save_copy(course)
     damage(gradebook(course))
     broken = gradebook(course).read_bytes()
@@ -181,8 +158,7 @@ def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
 
 
 def test_without_a_copy_a_backup_is_asked_for(course):
-    """Without a copy, no command can restore the gradebook."""
-    empty(gradebook(course))
+    gradebook(course).write_bytes(b'')
 
     with pytest.raises(
         GraderError, match='restore it from a backup, because the grader has no copy'
@@ -210,10 +186,9 @@ def test_any_journal_with_an_entry_shows_that_a_gradebook_was_filled(course, nam
 
 
 def test_an_empty_file_that_was_never_filled_is_fine(course):
-    """If a gradebook was never filled, it may be empty or missing: the next run creates it."""
     journal = course.work / 'entered' / '01.json'
     journal.unlink()
-    empty(gradebook(course))
+    gradebook(course).write_bytes(b'')
     refuse_damaged(course)
     assert save_copy(course) is None
 
@@ -223,14 +198,12 @@ def test_an_empty_file_that_was_never_filled_is_fine(course):
 
 
 def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
-    """A locked gradebook cannot be copied, and the error is one line."""
     connect = sqlite3.connect
     monkeypatch.setattr(database.sqlite3, 'connect', lambda path: connect(path, timeout=0))
-    holder = connect(gradebook(course))
-    holder.execute('begin exclusive')
+    with closing(connect(gradebook(course))) as holder:
+        holder.execute('begin exclusive')
 
-    refuse_damaged(course)
-    with pytest.raises(GraderError, match=r'cannot be copied: database is locked\. Nothing'):
-        save_copy(course)
+        refuse_damaged(course)
+        with pytest.raises(GraderError, match=r'cannot be copied: database is locked\. Nothing'):
+            save_copy(course)
     assert database.copies(course) == []
-    holder.close()

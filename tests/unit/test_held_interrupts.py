@@ -12,47 +12,37 @@ def _interrupt():
     os.kill(os.getpid(), signal.SIGINT)
 
 
-def test_an_interrupt_comes_when_the_step_is_done():
-    done = []
-
-    def step():
-        with HeldInterrupts():
-            _interrupt()
-            done.append('the step')
-
-    with pytest.raises(KeyboardInterrupt):
-        step()
-    assert done == ['the step']
+def whole_step(done):
+    with HeldInterrupts():
+        _interrupt()
+        done.append('the step')
 
 
-def test_an_inner_step_passes_its_interrupt_to_the_outer_one():
+def outer_step(done):
     """Otherwise the outer step would end between creating a node and registering it."""
-    done = []
-
-    def outer():
+    with HeldInterrupts():
         with HeldInterrupts():
-            with HeldInterrupts():
-                _interrupt()
-            done.append('the outer step')
-
-    with pytest.raises(KeyboardInterrupt):
-        outer()
-    assert done == ['the outer step']
-
-
-def test_an_interrupt_that_came_before_is_delivered_where_it_is_allowed():
-    """A learner's constructor is not called after an interrupt."""
-    begun = []
-
-    def construct():
-        with HeldInterrupts() as interrupts:
             _interrupt()
-            with interrupts.allowed():
-                begun.append('the constructor')
+        done.append('the step')
 
+
+def constructor(done):
+    """A learner's constructor is not called after an interrupt."""
+    with HeldInterrupts() as interrupts:
+        _interrupt()
+        with interrupts.allowed():
+            done.append('the constructor')
+
+
+@pytest.mark.parametrize(
+    ('step', 'expected'),
+    [(whole_step, ['the step']), (outer_step, ['the step']), (constructor, [])],
+)
+def test_an_interrupt_comes_when_the_step_is_done_or_where_it_is_allowed(step, expected):
+    done = []
     with pytest.raises(KeyboardInterrupt):
-        construct()
-    assert not begun
+        step(done)
+    assert done == expected
 
 
 def test_the_earlier_handler_is_back_afterwards():

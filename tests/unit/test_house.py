@@ -1,6 +1,7 @@
 """Imports in the grader go one way: a folder imports only from the folders below it."""
 
 import ast
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
@@ -44,6 +45,16 @@ def floor_of(module: str) -> str:
     return module.split('.')[1] if '.' in module else ''
 
 
+def imported_by(floor: str) -> set[tuple[str, str]]:
+    """Return the modules of a folder with the other modules of the grader that they import."""
+    return {
+        (name, other)
+        for name, path in modules().items()
+        if floor_of(name) == floor
+        for other in imported(path)
+    }
+
+
 def order() -> list[str]:
     """Return the folders and modules from the top, as ARCHITECTURE.md draws them."""
     text = (ROOT / 'ARCHITECTURE.md').read_text(encoding='utf-8')
@@ -60,15 +71,8 @@ def test_the_drawing_has_every_folder_and_module():
 @pytest.mark.parametrize('floor', order())
 def test_a_folder_imports_only_what_stands_below_it(floor):
     allowed = {'', *order()[order().index(floor) :]}
-    above = {
-        (name, other)
-        for name, path in modules().items()
-        if floor_of(name) == floor
-        for other in imported(path)
-        if floor_of(other) not in allowed
-    }
 
-    assert above == set()
+    assert {pair for pair in imported_by(floor) if floor_of(pair[1]) not in allowed} == set()
 
 
 def test_no_file_imports_itself_through_others():
@@ -81,22 +85,12 @@ def test_no_file_imports_itself_through_others():
 @pytest.mark.parametrize('floor', ['probe', 'inside'])
 def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
     """The sandbox contains only the source text of these modules."""
-    others = {
-        other
-        for name, path in modules().items()
-        if floor_of(name) == floor
-        for other in imported(path)
-    }
-
-    assert others == set()
+    assert imported_by(floor) == set()
 
 
 def test_no_folder_has_more_modules_than_can_be_seen_at_once():
-    counts: dict[str, int] = {}
-    for path in modules().values():
-        if path.name != '__init__.py':
-            folder = path.parent.relative_to(GRADER).as_posix()
-            counts[folder] = counts.get(folder, 0) + 1
+    paths = [path for path in modules().values() if path.name != '__init__.py']
+    counts = Counter(path.parent.relative_to(GRADER).as_posix() for path in paths)
     too_many = {name: count for name, count in counts.items() if count > MOST_MODULES}
 
     assert too_many == {}

@@ -147,20 +147,21 @@ def test_a_kernel_starts_in_its_own_world_while_the_system_allows_it(tmp_path: P
     """The script precedes the kernel's command only once, and the server uses Unix sockets."""
     kernel = tmp_path / 'share' / 'jupyter' / 'kernels' / 'ros2_jazzy' / 'kernel.json'
     config = tmp_path / 'etc' / 'jupyter' / 'jupyter_server_config.json'
-    for path, content in ((kernel, {'argv': ['python', '-m', 'kernel']}), (config, {'A': 1})):
+    script = tmp_path / 'bin' / worlds.SCRIPT
+    command = ['python', '-m', 'kernel']
+    for path, content in ((kernel, {'argv': command}), (config, {'A': 1})):
         path.parent.mkdir(parents=True)
         path.write_text(json.dumps(content))
-    (tmp_path / 'bin').mkdir()
-    for _ in range(2):  # a second start of the hub changes nothing
-        worlds.install(tmp_path, separate=True)
-    script = tmp_path / 'bin' / worlds.SCRIPT
-    assert json.loads(kernel.read_text())['argv'] == [str(script), 'python', '-m', 'kernel']
-    assert json.loads(config.read_text()) == {'A': 1, 'KernelManager': {'transport': 'ipc'}}
+    script.parent.mkdir()
+    for separate, argv, messages in (
+        (True, [str(script), *command], {'transport': 'ipc'}),
+        (True, [str(script), *command], {'transport': 'ipc'}),  # a second start of the hub
+        (False, command, KERNEL_MESSAGES),
+    ):
+        worlds.install(tmp_path, separate=separate)
+        assert json.loads(kernel.read_text())['argv'] == argv
+        assert json.loads(config.read_text()) == {'A': 1, 'KernelManager': messages}
     assert script.stat().st_mode & 0o111
-
-    worlds.install(tmp_path, separate=False)
-    assert json.loads(kernel.read_text())['argv'] == ['python', '-m', 'kernel']
-    assert json.loads(config.read_text()) == {'A': 1, 'KernelManager': KERNEL_MESSAGES}
 
 
 def test_a_kernel_reached_by_tcp_keeps_the_network_of_the_machine(tmp_path: Path) -> None:

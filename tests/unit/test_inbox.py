@@ -26,7 +26,6 @@ def look(tmp_path, known=(LESSON, '02_other')):
 
 
 def test_students_come_in_the_order_of_their_names(tmp_path, hand_in):
-    """The students have the same order in every report."""
     for name in ('zoe', 'ann', 'bob-2', 'x.y@z'):
         hand_in(name)
 
@@ -76,17 +75,6 @@ def test_work_for_another_assignment_only_is_no_submission(tmp_path, hand_in):
     assert look(tmp_path) == {}
 
 
-def test_an_unknown_assignment_is_a_problem(tmp_path, hand_in):
-    """The unknown folder may contain this assignment under a wrong name."""
-    hand_in('ann', assignment='1_talker')
-    hand_in('ann', assignment='02_other')
-
-    found = look(tmp_path)['ann']
-
-    assert found.read(FILE)[0] is None
-    assert "only '1_talker'" in found.problems[0].line()
-
-
 @pytest.mark.parametrize('name', ['talker (1).ipynb', 'Talker.ipynb'])
 def test_a_single_notebook_under_another_name_counts(tmp_path, hand_in, name):
     """A single notebook counts under any name, because browsers rename downloads."""
@@ -99,21 +87,25 @@ def test_a_single_notebook_under_another_name_counts(tmp_path, hand_in, name):
     assert 'graded instead' in problems[0].got
 
 
-def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
-    hand_in('ann', name='a.ipynb')
-    hand_in('ann', name='b.ipynb')
+@pytest.mark.parametrize(
+    ('places', 'said'),
+    [
+        # The unknown folder may contain this assignment under a wrong name.
+        (['1_talker/talker.ipynb', '02_other/talker.ipynb'], "only '1_talker'"),
+        ([f'{LESSON}/a.ipynb', f'{LESSON}/b.ipynb'], '2 other notebooks'),
+        ([f'{LESSON}/readme.txt', '02_other/talker.ipynb'], 'got no notebook'),
+    ],
+    ids=['unknown assignment', 'two names', 'no notebook'],
+)
+def test_a_missing_notebook_is_a_problem(tmp_path, hand_in, places, said):
+    for place in places:
+        assignment, _, name = place.partition('/')
+        hand_in('ann', name, assignment=assignment)
 
     found = look(tmp_path)['ann']
 
     assert found.read(FILE)[0] is None
-    assert '2 other notebooks' in found.problems[0].got
-
-
-def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
-    hand_in('ann', name='readme.txt')
-    hand_in('ann', assignment='02_other')
-
-    assert 'got no notebook' in look(tmp_path)['ann'].problems[0].line()
+    assert said in found.problems[0].line()
 
 
 def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, monkeypatch):
@@ -145,7 +137,6 @@ def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, n
 
 
 def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
-    """The problem shows the size of the file."""
     monkeypatch.setattr(reading, 'MAX_BYTES', 2**20)
     hand_in('ann', data=b' ' * (3 * 2**20))
 

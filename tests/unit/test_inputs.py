@@ -8,10 +8,11 @@ from autograder.layout import Layout
 
 
 @pytest.fixture(autouse=True)
-def _forget_secret():
-    """Let each test choose its own secret."""
+def secret(tmp_path, monkeypatch):
+    """Let each test choose its own secret; return the file for it."""
+    monkeypatch.setattr(Layout, 'secret', tmp_path / 'work' / 'secret')
     inputs.course_secret.cache_clear()
-    yield
+    yield Layout.secret
     inputs.course_secret.cache_clear()
 
 
@@ -33,27 +34,25 @@ def test_purpose_exam_and_secret_each_change_the_inputs(monkeypatch):
     assert len(drawn) == 4
 
 
-def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
-    """The file is kept, and no other user can read it."""
+def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, secret):
     monkeypatch.delenv('COURSE_SECRET', raising=False)
-    monkeypatch.setattr(Layout, 'secret', tmp_path / 'work' / 'secret')
     first = inputs.course_secret()
     inputs.course_secret.cache_clear()
 
     assert inputs.course_secret() == first
     assert len(first) == 64
-    assert (tmp_path / 'work' / 'secret').stat().st_mode & 0o777 == 0o600
-    assert len(list((tmp_path / 'work').iterdir())) == 1
+    assert secret.stat().st_mode & 0o777 == 0o600
+    assert list(secret.parent.iterdir()) == [secret]
 
 
-def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, tmp_path):
+def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, secret):
     """Anyone can compute the inputs of an empty secret, which CI sets if none is configured."""
     monkeypatch.setenv('COURSE_SECRET', '')
     with pytest.raises(GraderError, match='COURSE_SECRET: expected the course secret'):
         inputs.generator('e', 'p')
 
     monkeypatch.delenv('COURSE_SECRET')
-    monkeypatch.setattr(Layout, 'secret', tmp_path / 'secret')
-    (tmp_path / 'secret').write_bytes(b'\n')
+    secret.parent.mkdir()
+    secret.write_bytes(b'\n')
     with pytest.raises(GraderError, match='secret: expected the course secret'):
         inputs.course_secret()

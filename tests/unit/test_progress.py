@@ -20,7 +20,6 @@ def done(points: float) -> ExamResult:
 
 
 def test_full_marks_less_and_reviews_are_counted():
-    """A submission for review counts neither as full marks nor as less than full marks."""
     counts = Counter(map(kind_of, (done(2), done(1), done(2))))
     assert text_of(counts) == '2 full marks, 1 less'
 
@@ -48,7 +47,6 @@ def test_a_short_grading_prints_nothing_into_a_log(capsys):
 
 
 def test_a_line_in_a_log_has_counts_and_the_time_left():
-    """The time left is unknown at first, and is then estimated from the runs so far."""
     assert line_of(Counter(), 8, 3.0) == '0 of 8 runs'
 
     counts = Counter(map(kind_of, (done(2), done(1))))

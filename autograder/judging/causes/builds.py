@@ -49,11 +49,7 @@ def why_build_failed(found: Cause) -> Cause:
 
 
 def texts_of(folder: Path) -> dict[str, str]:
-    """
-    Return the files of a package that may contain the mistake, relative path to text.
-
-    :param folder: the package's folder
-    """
+    """Return the files of a package that may contain the mistake, relative path to text."""
     paths = [folder / 'package.xml', folder / 'CMakeLists.txt', *sorted(folder.glob('msg/*.msg'))]
     return {
         path.relative_to(folder).as_posix(): path.read_text(encoding='utf-8', errors='replace')
@@ -82,21 +78,13 @@ def diagnose(output: str, files: Mapping[str, str]) -> Cause:
 
 
 def why_no_messages(output: str, files: Mapping[str, str]) -> Cause:
-    """
-    Return why a package that was built has no messages that a program can use.
-
-    The parameters are those of :func:`diagnose`.
-    """
+    """Return why a package that was built has no messages that a program can use."""
     found = diagnose(output, files)
     return found if found.cause_id else NO_MESSAGES
 
 
 def mistakes(python: bool) -> list[Row]:
-    """
-    Return the rows for a package, each with the text and the file of the line to change.
-
-    :param python: whether the package has a ``setup.py``
-    """
+    """Return the rows for a package, each with the text and the file of the line to change."""
     rows = [*rows_of('of_builds.txt')]
     if not python:
         return rows

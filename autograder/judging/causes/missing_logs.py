@@ -155,11 +155,7 @@ def _on_stdout(run: Run, belongs: Belongs | None) -> Iterator[tuple[str, str, st
 
 
 def why_exception_logged(run: Run, lines: Sequence[Event]) -> Cause | None:
-    """
-    Explain the first ERROR line if it contains one of Python's error messages.
-
-    :param lines: log lines of the node's own logger
-    """
+    """Explain the first ERROR line if it contains one of Python's error messages."""
     text = next((str(one['text']) for one in lines if one['level'] == ERROR), '')
     attribute = _ATTRIBUTE.search(text)
     if attribute and redacted(run, attribute[0]) == attribute[0]:

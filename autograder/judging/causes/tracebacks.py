@@ -12,7 +12,7 @@ from functools import cached_property
 import re
 
 from autograder.exam.exam import Run
-from autograder.exam.names import Names
+from autograder.exam.scenario import Names
 from autograder.judging.causes.redaction import drawn_values, PUBLIC
 from autograder.submission.code.program import without_strings
 
@@ -38,10 +38,8 @@ class Traceback:
 
     :param error: type and message, one line
     :param line: line in the student's file, None if the traceback names none
-    :param code: text of this line
     :param source: all Python code of the student
     :param spun: whether this line only spins, and the executor raised the exception
-    :param names: names that the exam uses
     """
 
     error: str

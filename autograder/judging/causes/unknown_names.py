@@ -11,7 +11,7 @@ import re
 import sys
 
 from autograder.exam.exam import Cause
-from autograder.exam.names import Names
+from autograder.exam.scenario import Names
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.layout import Layout
@@ -52,11 +52,7 @@ HOMES = {
 
 
 def homes(names: Names) -> Mapping[str, str]:
-    """
-    Return the module of each name in the exam, the lessons or the course's messages.
-
-    :param names: names that the exam uses
-    """
+    """Return the module of each name in the exam, the lessons or the course's messages."""
     found: dict[str, str] = {}
     for module, known in (*names.homes.items(), *HOMES.items()):
         for name in known.split():

@@ -1,4 +1,4 @@
-"""Show a question: as a widget in the browser, as plain text elsewhere."""
+"""The widgets of a browser: a live picture, and a question, which is plain text elsewhere."""
 
 from dataclasses import asdict
 import html
@@ -13,6 +13,20 @@ from roslab.progress import remember
 from roslab.quiz import LETTERS, Question
 
 _HERE = Path(__file__).parent
+
+
+class PictureWidget(anywidget.AnyWidget):
+    """The newest picture as HTML; pages draw it into the elements with ``data-picture=place``."""
+
+    _esm = _HERE / 'picture.js'
+    place = traitlets.Unicode().tag(sync=True)
+    picture = traitlets.Unicode().tag(sync=True)
+    is_shown = False
+
+    def __init__(self, place: str) -> None:
+        super().__init__(place=place)
+        # Receiving a synchronised trait would delay `picture`, which another thread sets.
+        self.on_msg(lambda *_: setattr(self, 'is_shown', True))
 
 
 class QuizWidget(anywidget.AnyWidget):
@@ -40,11 +54,7 @@ class QuizWidget(anywidget.AnyWidget):
 
 
 def as_html(question: dict[str, Any]) -> str:
-    """
-    Return a question as HTML in which each option opens its explanation.
-
-    :param question: the ``question`` of the widget, a dictionary with ``text`` and ``options``
-    """
+    """Return a question as HTML in which each option opens its explanation."""
     options = ''.join(
         f'<details><summary>{letter}) {_with_code(option["text"])}</summary>'
         f'<p><strong>{"Right" if option["right"] else "Wrong"}.</strong> '

@@ -1,10 +1,4 @@
-"""
-Measure the length of a lesson's cells: words per text cell and lines per code cell.
-
-Well-known notebooks that learners like have 30 to 50 words per text cell and 1 to 5 lines per code
-cell; notebooks that learners abandon have long texts and code cells of 90 lines.  ``release
-check`` prints the figures of each lesson and rejects lessons outside these ranges.
-"""
+"""Measure the lengths of the cells of a lesson, and compare them with limits."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -28,6 +22,9 @@ class Portions:
     """
     The lengths of the cells of one lesson.
 
+    Well-known notebooks that learners like have 30 to 50 words per text cell and 1 to 5 lines per
+    code cell; notebooks that learners abandon have long texts and code cells of 90 lines.
+
     :param words: number of words of each text cell
     :param lines: number of lines of each code cell that is not a file
     :param file_lines: number of lines of each code cell that is a file of a package
@@ -36,14 +33,6 @@ class Portions:
     words: tuple[int, ...]
     lines: tuple[int, ...]
     file_lines: tuple[int, ...]
-
-    def line(self, lesson: str) -> str:
-        """Return the figures of the lesson as one line of text."""
-        return (
-            f'{lesson:28} {len(self.words):3} text cells, median {median(self.words):4g} words;  '
-            f'{len(self.lines):3} code cells, median {median(self.lines):3g} lines, '
-            f'maximum {max(self.lines)}'
-        )
 
     def problems(self) -> Iterator[str]:
         """Yield one sentence for each figure outside its range."""
