@@ -26,6 +26,7 @@ from autograder.classroom.results_of_class import modes, ran_s, results_of_other
 from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
 from autograder.commands.progress import progress, slowest_text
 from autograder.errors import from_os_error, GraderError, UsageError
+from autograder.exam.inputs import keep_secret, refuse_other_secret
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
 from autograder.gradebook.database import refuse_damaged
@@ -214,12 +215,13 @@ class Grading:
         """
         Refuse to grade if marks would be lost; call this before any run.
 
-        :raises GraderError: if the gradebook is damaged, or a check cell and its exam give
-            different points
+        :raises GraderError: if the gradebook is damaged, the course secret has changed, or a check
+            cell and its exam give different points
         """
         read_people(self.layout)  # Report wrong files here, not after the runs.
         extensions(self.layout)
         if self.engine.hidden:
+            refuse_other_secret(self.layout)
             refuse_damaged(self.layout)
             for assignment in assignments:
                 lesson = load_lesson(self.layout, assignment, self.engine)
@@ -242,6 +244,8 @@ class Grading:
         class_ = discover(self.submitted, assignment, lesson.notebook, layout.assignments())
         if not class_:
             return [], ''
+        if self.engine.hidden:
+            keep_secret(layout)
         # Read the old results before any run: if they are damaged, no run is wasted.
         others: Sequence[SubmissionResult] = ()
         if self.submitted.resolve() != layout.submitted.resolve():

@@ -30,6 +30,7 @@ from autograder.commands import (
     YES,
 )
 from autograder.errors import GraderError
+from autograder.exam.inputs import refuse_other_secret
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook.journal import Journal
 from autograder.gradebook.live_entry import enter, Guard
@@ -89,9 +90,10 @@ def rejudge_command(
         written even if the gradebook refuses some results
     :param yes: whether marks in the gradebook may be lowered or cleared; if not, and some would
         be, nothing is written
-    :raises GraderError: if the assignment is unknown, nothing has been graded yet or, with
-        ``write``, if check cells and exams give different points
+    :raises GraderError: if the assignment is unknown, nothing has been graded yet, the course
+        secret has changed or, with ``write``, if check cells and exams give different points
     """
+    refuse_other_secret(layout)
     there = [(load_lesson(layout, one.assignment), one) for one in graded(layout, assignment)]
     if write:
         for lesson, _ in there:

@@ -14,7 +14,7 @@ from autograder import __main__ as command
 from autograder.classroom.results_of_class import graded as results_of
 from autograder.commands import FOR_REVIEW, OK, rejudge
 from autograder.commands import grade as grading
-from autograder.exam import catalog
+from autograder.exam import catalog, inputs
 from autograder.gradebook.database import copies
 from autograder.layout import Layout
 
@@ -117,6 +117,23 @@ class TestPoints:
         give_points(here.notebooks, 17)
         assert grade() == OK
         assert scores(here, 'ann')[CHECK] == 17
+
+
+@pytest.mark.parametrize('arguments', [['grade', '--yes'], ['rejudge', '--write', '--yes']])
+def test_another_course_secret_changes_no_mark(here, monkeypatch, capsys, arguments):
+    hand_in(here, 'ann', **TYPO)
+    monkeypatch.setattr(inputs, 'course_secret', lambda: b'another')
+    capsys.readouterr()
+
+    assert command.main(arguments) == command.USAGE
+    said = 'COURSE_SECRET: this class was graded with a different course secret. Try: restore '
+    assert said in capsys.readouterr().err
+    assert scores(here, 'ann')[CHECK] == 15
+    assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
+
+    (here.work / 'secret_fingerprint').unlink()
+    assert command.main(arguments) == OK
+    assert scores(here, 'ann')[CHECK] == 5
 
 
 class TestLoweredMarks:
