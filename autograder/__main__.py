@@ -109,7 +109,7 @@ def _continuation_advice(chosen: argparse.Namespace) -> str:
         return 'Run the same command again; it starts from the beginning.'
     if getattr(chosen, 'fresh', False):
         return (
-            'Assignments with a table above are done. With --fresh, the same command repeats '
+            'Assignments with a summary above are done. With --fresh, the same command repeats '
             'every run; add --assignment NAME to grade only one assignment.'
         )
     return GOES_ON[chosen.command]

@@ -148,8 +148,11 @@ class TestLoweredMarks:
         said = capsys.readouterr()
         out = ' '.join(said.out.split())
         assert 'Not lowered in the gradebook: ann 50 to 40.' in out
-        assert said.err.startswith(f'autograder: gradebook: 1 mark of {ASSIGNMENT} would be ')
-        assert 'Try: look at the list, then run the same command with --yes' in said.err
+        assert 'Gradebook: 1 entered, 0 unchanged.' in out
+        assert said.err.startswith(
+            f'autograder: gradebook: 1 mark of {ASSIGNMENT} (ann 50 to 40) would be '
+        )
+        assert 'Try: run the same command with --yes to accept this.' in said.err
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
         assert [one.points for one in results_of(here, ASSIGNMENT)[0].results] == [40, 50]
 
@@ -230,7 +233,7 @@ class TestLoweredMarks:
         said = capsys.readouterr()
         assert 'lower mark in the gradebook: ann 50 to 40\n' in said.out
         assert 'Nothing was written, because marks would be lowered or cleared.' in said.out
-        assert 'nothing was written. Try: look at the list, then run the same command' in said.err
+        assert 'nothing was written. Try: run the same command with --yes' in said.err
         assert scores(here, 'ann')[CHECK] == 15
         assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
 
@@ -298,6 +301,54 @@ class TestCopies:
 
         assert command.main(['explain', 'bob']) == OK
         assert capsys.readouterr().out.startswith(f'bob, {ASSIGNMENT}: for review: ')
+
+
+class TestSummary:
+    """A second grading prints only what is new and what needs the instructor."""
+
+    def test_only_new_results_and_reviews_have_a_row(self, here, capsys):
+        hand_in(here, 'bob', **TYPO)
+        hand_in(here, 'eve', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
+        (here.work / 'class_list.csv').write_text('student\nann\nbob\neve\nzoe\n', 'utf-8')
+        capsys.readouterr()
+
+        assert grade() == FOR_REVIEW
+        said = capsys.readouterr().out
+        rows = [line for line in said.splitlines() if line.startswith('│')]
+        assert ['ann' in ''.join(rows), 'bob' in rows[0], 'zoe' in ''.join(rows)] == [0, 1, 0]
+        assert 'Gradebook: 2 entered, 1 unchanged.' in ' '.join(said.split())
+        assert 'Nothing to grade yet from: zoe.\n' in said
+        assert said.endswith('\nExit code 1: 1 submission is for review.\n')
+
+        assert grade('--allow-review') == OK
+        rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith('│')]
+        assert ('eve' in rows[0], 'bob' in ''.join(rows)) == (True, False)
+
+        hand_in(here, 'eve', **TYPO)
+        assert grade() == OK
+        capsys.readouterr()
+        assert grade() == OK
+        said = capsys.readouterr().out
+        assert said.startswith(f'{ASSIGNMENT}: 3 submissions in ')
+        assert not [line for line in said.splitlines() if line.startswith('│')]
+
+    def test_written_answers_and_unknown_assignments_are_named(self, here, capsys):
+        with book(here) as gradebook:
+            gradebook.update_or_create_assignment('7_temperature_monitor', duedate='2026-12-01')
+        capsys.readouterr()
+
+        assert grade() == OK
+        *_, written, unknown = capsys.readouterr().out.splitlines()
+        assert written.startswith('Written answers to mark: 1. Try: make lab, Nbgrader > ')
+        assert unknown == (
+            'gradebook: 7_temperature_monitor is not an assignment of this course; did you mean '
+            '07_temperature_monitor? Try: .venv/bin/nbgrader db assignment remove '
+            '7_temperature_monitor'
+        )
+
+        by_hand(here, 'ann', 4)
+        assert grade() == OK
+        assert 'Written answers' not in capsys.readouterr().out
 
 
 class TestStudents:
