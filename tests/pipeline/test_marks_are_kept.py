@@ -90,7 +90,9 @@ def give_points(folder, points: float) -> None:
 class TestPoints:
     """If cells and exams have different points, no mark is changed."""
 
-    @pytest.mark.parametrize('arguments', [['grade'], ['rejudge', '--write'], ['grade', '--yes']])
+    @pytest.mark.parametrize(
+        'arguments', [['grade'], ['rejudge'], ['rejudge', '--write'], ['grade', '--yes']]
+    )
     def test_an_exam_with_other_points_than_its_cell_is_refused(
         self, here, edit, capsys, arguments
     ):
