@@ -51,6 +51,12 @@ order by name
 """
 
 
+def settings_files(layout: Layout) -> list[Path]:
+    """Return the existing settings: the course's, and those of this class, which git ignores."""
+    there = (folder / 'nbgrader_config.py' for folder in (layout.root, layout.work))
+    return [path for path in there if path.is_file()]
+
+
 def load_config(layout: Layout) -> Config:
     """Return the settings in ``nbgrader_config.py``; raise a GraderError if they are unusable."""
     path = layout.root / 'nbgrader_config.py'
@@ -60,7 +66,8 @@ def load_config(layout: Layout) -> Config:
         return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
     except Exception as error:  # noqa: BLE001 - The file is Python code that instructors edit.
         raise GraderError(
-            f'{path}: nbgrader cannot read these settings: {type(error).__name__}: {error}.',
+            f'{" or ".join(map(str, settings_files(layout)))}: nbgrader cannot read these '
+            f'settings: {type(error).__name__}: {error}.',
             'Try: fix the file, then run the same command again. Finished runs are kept.',
         ) from error
 
