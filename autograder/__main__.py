@@ -117,7 +117,7 @@ def _continuation_advice(chosen: argparse.Namespace) -> str:
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Return the command-line parser, with only the options of the requested command."""
-    parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
+    parser = argparse.ArgumentParser(prog='autograder', description=__doc__)
     parser.add_argument(
         '--course',
         type=Path,

@@ -142,7 +142,7 @@ def _no_submissions(layout: Layout, submitted: Path, assignments: Sequence[str])
     """Return the error for a folder without submissions."""
     known = layout.assignments()
     fix = (
-        f'python -m autograder collect {relative_path(submitted, layout)}, if this is a '
+        f'.venv/bin/autograder collect {relative_path(submitted, layout)}, if this is a '
         'download from Canvas, Moodle or Gradescope'
     )
     for name in without_notebooks(submitted, known):
@@ -188,8 +188,8 @@ def submitted_folder(layout: Layout, chosen: Path | None, console: Console) -> P
     if not layout.submitted.is_dir() or not any(layout.submitted.iterdir()):
         if layout.reports.is_dir():  # Never add sample students to a real class.
             raise UsageError(
-                f'{layout.submitted}: there is nothing to grade. Try: python -m autograder '
-                'collect SOURCE, or python -m autograder sample-class for the example submissions'
+                f'{layout.submitted}: there is nothing to grade. Try: .venv/bin/autograder '
+                'collect SOURCE, or .venv/bin/autograder sample-class for the example submissions'
             )
         count = write_sample_class(layout, layout.submitted)
         console.print(

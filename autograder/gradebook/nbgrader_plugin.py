@@ -217,8 +217,8 @@ class GradeOutside(NbGraderPreprocessor):
         for change in lowered_marks(layout, lesson, [Graded(submission, opened, result)]).values():
             resources['nbgrader']['keep_scores'] = True
             self.log.warning(
-                'gradebook: the mark would be lowered, so it was not changed: %s. Try: make grade '
-                'ARGS=--yes',
+                'gradebook: the mark would be lowered, so it was not changed: %s. Try: '
+                '.venv/bin/autograder grade --yes',
                 change,
             )
         return result

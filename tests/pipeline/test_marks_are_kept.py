@@ -369,7 +369,7 @@ class TestStudents:
         said = capsys.readouterr().err
         fix = f'Try: --submitted {tmp_path}/download/mine\n'
         if not deep:
-            fix = f'Try: python -m autograder collect {tmp_path}/download, if this is a download '
+            fix = f'Try: .venv/bin/autograder collect {tmp_path}/download, if this is a download '
         assert fix in said
         with book(here) as gradebook:
             assert [student.id for student in gradebook.students] == ['ann']

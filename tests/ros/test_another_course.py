@@ -82,7 +82,7 @@ def engine(wheel) -> Path:
 def course(tmp_path_factory, engine) -> Path:
     """Return the folder of a prepared course with one exercise."""
     root, shell = tmp_path_factory.mktemp('courses') / 'points', stand_in.sourced_shell()
-    grader = [str(engine), '-m', 'autograder']
+    grader = [str(engine.with_name('autograder'))]
     finished([*grader, 'new-course', 'points'], root.parent, shell)
     finished([*grader, 'new-exam', 'far_points', '--lesson', '01_points'], root, shell)
     finished([str(engine), '-c', VENV, stand_in.__file__], root, shell)
@@ -155,7 +155,7 @@ class TestGrading:
             file.parent.mkdir(parents=True)
             file.write_text(text.replace(RIGHT, code), encoding='utf-8')
 
-        done = run(course, 'autograder', 'grade')
+        done = run(course, 'environment', 'run', 'autograder', 'grade')
 
         assert done.returncode == 0, done.stdout + done.stderr
         results = json.loads((course / '_work/reports/01_points/results.json').read_text())
