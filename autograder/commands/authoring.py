@@ -24,7 +24,7 @@ def new_course_command(chosen: argparse.Namespace) -> int:
     made = new_course(chosen.folder)
     print(f'Created a course with {len(made)} files in {chosen.folder}. Next, run in that folder:')
     print(f'  {shlex.quote(sys.executable)} -m environment prepare')
-    print('  .venv/bin/python -m autograder new-exam NAME --lesson 01_NAME')
+    print('  .venv/bin/autograder new-exam NAME --lesson 01_NAME')
     return OK
 
 
@@ -38,8 +38,8 @@ def new_exam_command(chosen: argparse.Namespace) -> int:
     for path in new_exam(course, chosen.name, chosen.lesson):
         print(os.path.relpath(course.root / path))
     print('Created these files; they already work. Edit them, then run:')
-    print('  .venv/bin/python -m autograder release')
-    print('  .venv/bin/python -m autograder self-check')
+    print('  .venv/bin/autograder release')
+    print('  .venv/bin/autograder self-check')
     return OK
 
 

@@ -82,7 +82,7 @@ def engine(wheel) -> Path:
 def course(tmp_path_factory, engine) -> Path:
     """Return the folder of a prepared course with two exercises in one lesson."""
     root, shell = tmp_path_factory.mktemp('courses') / 'points', stand_in.sourced_shell()
-    grader = [str(engine), '-m', 'autograder']
+    grader = [str(engine.with_name('autograder'))]
     finished([*grader, 'new-course', 'points'], root.parent, shell)
     for name in ('far_points', 'near_points'):
         finished([*grader, 'new-exam', name, '--lesson', '01_points'], root, shell)
@@ -156,7 +156,7 @@ class TestGrading:
             file.parent.mkdir(parents=True)
             file.write_text(text.replace(RIGHT, code), encoding='utf-8')
 
-        done = run(course, 'autograder', 'grade')
+        done = run(course, 'environment', 'run', 'autograder', 'grade')
 
         assert done.returncode == 0, done.stdout + done.stderr
         results = json.loads((course / '_work/reports/01_points/results.json').read_text())

@@ -142,7 +142,7 @@ class TestShown:
 
         text = (layout.reports / TALK / 'class.html').read_text('utf-8')
         assert f'Not collected: {PDF} (handed in 2026-03-01 12:00 UTC).' in text
-        assert 'Nothing to grade yet from: Ann &lt;b&gt;, bob</p>' in text
+        assert 'For an e-mail: Ann &lt;b&gt;, bob</p>' in text
 
     def test_table_has_a_row_for_each(self, missing):
         console = Console(record=True, width=120, file=None)
@@ -151,7 +151,7 @@ class TestShown:
 
         assert '1001 (Ann <b>)' in text
         assert 'nothing' in text
-        assert 'Nothing to grade yet from: Ann <b>, bob' in text
+        assert 'no file that can be read' in text
 
     def test_collect_prints_the_names_of_all_that_are_missing(
         self, missing, tmp_path, layout, monkeypatch, capsys
