@@ -227,9 +227,8 @@ class TestCommands:
 
         assert command.main(['similar', 'temperature_monitor']) == OK
         said = capsys.readouterr().out
-        assert f'The files are in {graded.submitted}.' in said
-        file = f'{ASSIGNMENT}/{NOTEBOOK}'
-        assert f' 37 common lines  ann/{file}  ~  bob/{file}\n' in said
+        assert f'The files are {graded.submitted}/STUDENT/{ASSIGNMENT}/*.ipynb.' in said
+        assert ' 37 common lines  ann  ~  bob\n' in said
 
     def test_similarity_is_in_nothing_that_is_shown(self, graded):
         command.main(['similar', ASSIGNMENT])
