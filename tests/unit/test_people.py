@@ -1,10 +1,12 @@
 """Display names of students whose ids are numbers."""
 
+import re
+
 from collect_sources import GOOD, layout, LISTEN, packed, TALK  # noqa: F401 - a fixture
 import pytest
 
 from autograder.classroom.collected import save_collected, Work
-from autograder.classroom.people import read_people, student_named
+from autograder.classroom.people import find_student, read_people, student_named
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.deliveries import TAKEN, UNCHANGED
 from autograder.errors import GraderError
@@ -102,3 +104,22 @@ def test_a_name_of_several_students_is_refused_and_an_unknown_one_is_nobody(layo
     ):
         student_named(layout, 'Ann Lee', students)
     assert [student_named(layout, name, students) for name in ('Zoe', '', 'Gone')] == [''] * 3
+
+
+@pytest.mark.parametrize(
+    ('name', 'said'),
+    [
+        ('Clara Ivanof', 'Did you mean "Clara Ivanov"?'),
+        ('Ivanov', 'Did you mean "Clara Ivanov"?'),
+        ('Katrin Garcia', 'Did you mean "Katrin García"?'),
+        ('1011', 'Did you mean 1001?'),
+        ('Zoe', 'Try: the id, or the full name in quotes'),
+    ],
+)
+def test_an_unknown_student_is_refused_with_similar_names(layout, name, said):
+    names = {'1001': 'Clara Ivanov', '2': 'Katrin García', '3': 'Clara Gone'}
+    save_collected(layout, [Work(one, TALK, name) for one, name in names.items()])
+
+    assert find_student(layout, 'clara ivanov', {'1001', '2'}) == '1001'
+    with pytest.raises(GraderError, match=f'{name}: there is no such student. {re.escape(said)}'):
+        find_student(layout, name, {'1001', '2'})
