@@ -9,21 +9,13 @@ saves the names that it finds.
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 from datetime import timedelta
 from difflib import get_close_matches
 import math
 from pathlib import Path
 import unicodedata
 
-from autograder.classroom.collected import (
-    collected_names,
-    NOTHING,
-    printable_name,
-    read_collected,
-    read_not_collected,
-    Work,
-)
+from autograder.classroom.collected import collected_names, printable_name, read_collected
 from autograder.classroom.tables import parse_table, read_bytes
 from autograder.errors import GraderError
 from autograder.explaining.feedback import printable
@@ -219,41 +211,8 @@ def _folded(name: str, accents: bool = True) -> str:
     return ' '.join(kept.casefold().split())
 
 
-# -- missing students -----------------------------------------------------------------------
-
-
-def not_collected(layout: Layout, assignment: str, graded: Collection[str]) -> tuple[Work, ...]:
-    """
-    Return the students who are missing from the results of an assignment.
-
-    Their delivery could not be collected, or they are on the class list and handed in nothing.
-
-    :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged
-    """
-    names = class_list(layout)
-    found = [
-        replace(one, person=names.get(one.student) or one.person)
-        for one in read_not_collected(layout)
-        if one.assignment in ('', assignment) and one.student not in graded
-    ]
-    # The class list contains ids from collect, but the folder of a submission may be named with
-    # the original name: accept both.
-    known = {*graded, *map(student_id, graded), *(one.student for one in found)}
-    found += [
-        Work(student, assignment, name, why=NOTHING)
-        for student, name in names.items()
-        if student not in known
-    ]
-    return tuple(sorted(found, key=lambda one: one.student))
-
-
 def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
     """Return the students who are not on the class list; none if there is no list."""
     known = class_list(layout)
     here = (one for one in students if known.keys().isdisjoint((one, student_id(one))))
     return tuple(here) if known else ()
-
-
-def names_for_email(missing: Sequence[Work]) -> str:
-    """Return the names or ids of students, separated by commas, for an e-mail to them."""
-    return ', '.join(dict.fromkeys(one.person or one.student for one in missing))

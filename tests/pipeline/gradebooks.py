@@ -12,10 +12,11 @@ from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import last_results, results_file
+from autograder.classroom.standing import GRADED
 from autograder.collect.course import due_dates
 from autograder.commands.forget import student_with_data, traces
 from autograder.errors import GraderError
-from autograder.exports.marks import from_gradebook, GRADED
+from autograder.exports.marks import from_gradebook
 from autograder.gradebook import journal
 from autograder.gradebook.database import gradebook_file, load_config
 from autograder.gradebook.live_entry import begin_to_enter, enter, Guard

@@ -314,12 +314,18 @@ class TestExplain:
     @pytest.mark.parametrize(
         ('student', 'check', 'said'),
         [
+            ('pass_reference', 'names_the_unit', 'Did you mean pass__reference'),
+            ('pass__reference', 'nothing', 'Try: explain STUDENT, which lists all checks'),
             (
-                'nobody',
-                'names_the_unit',
-                'Students with results: fail__crashes_in_mid_run, fail__stamps',
+                'pass__reference',
+                'names_unit',
+                r'Try: name one of temperature_publisher/names_the_unit',
             ),
-            ('pass__reference', 'nothing', 'Try: name one of temperature_publisher/starts'),
+            (
+                'pass__reference',
+                'temperature_publisher',
+                'Try: name one of temperature_publisher/s',
+            ),
             ('pass__reference', 'other/names_the_unit', 'has no check with this name'),
         ],
     )
@@ -406,7 +412,7 @@ class TestCommands:
 
         assert command.main(['explain', 'nobody', 'x']) == command.USAGE
         (line,) = capsys.readouterr().err.splitlines()
-        assert line.startswith('autograder: nobody: no student with this name or id has results')
+        assert line.startswith('autograder: nobody: there is no such student')
 
     def test_explain_without_a_check_lists_the_checks_of_a_student(self, layout, capsys):
         """The list has verdict, points and cause; the student is given by id or name."""

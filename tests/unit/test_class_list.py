@@ -16,18 +16,13 @@ from rich.console import Console
 
 from autograder.classroom.collected import collected_names, read_collected, save_collected, Work
 from autograder.classroom.pages import print_table, write_all_reports
-from autograder.classroom.people import (
-    class_list,
-    extensions,
-    not_collected,
-    not_listed,
-    read_people,
-)
+from autograder.classroom.people import class_list, extensions, not_listed, read_people
 from autograder.classroom.results_of_class import ClassResults, graded
+from autograder.classroom.standing import MISSING, without_result
 from autograder.classroom.statistics import class_numbers
 from autograder.commands.stats import stats_text
 from autograder.errors import GraderError
-from autograder.exports.marks import AUTOMATIC, marks, MISSING
+from autograder.exports.marks import AUTOMATIC, marks
 from autograder.submission.inbox import student_id
 
 
@@ -75,17 +70,17 @@ def test_name_and_id_of_a_student_are_the_same_student(layout, column):
 
     assert extensions(layout)[student_id(name), TALK] == timedelta(hours=48)
     for folder in (name, student_id(name)):  # an instructor may have created the folder
-        assert not_collected(layout, TALK, {folder}) == ()
+        assert without_result(layout, TALK, [submission(folder)]) == ()
         assert not_listed(layout, {folder}) == ()
 
 
 def test_without_a_list_nobody_is_missing(layout):
-    assert not_collected(layout, TALK, {'ann'}) == ()
+    assert without_result(layout, TALK, [submission('ann')]) == ()
     assert not_listed(layout, ['ann']) == ()
 
 
 def test_reports_and_statistics_name_who_is_missing(listed):
-    missing = not_collected(listed, TALK, {'ann'})
+    missing = without_result(listed, TALK, [submission('ann')])
     console = Console(record=True, width=120, file=None)
     print_table(console, TALK, [submission('ann')], {}, missing)
     write_all_reports(listed, TALK, [submission('ann')])
@@ -174,6 +169,7 @@ def test_a_wrong_extension_is_refused_with_its_place(gather, layout, row, why):
             layout.submitted,
         )
     assert not layout.submitted.exists()
+
 
 @pytest.mark.parametrize(
     ('listed', 'name', 'said'),

@@ -22,7 +22,7 @@ from autograder.classroom.collected import (
     Work,
 )
 from autograder.classroom.pages import print_table, write_all_reports
-from autograder.classroom.people import names_for_email, not_collected
+from autograder.classroom.standing import names_for_email, without_result
 from autograder.collect.copy_notebooks import collect
 from autograder.commands import OK
 from autograder.errors import GraderError
@@ -89,9 +89,9 @@ def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
     collect(laid(tmp_path / 's', {'ann/essay.pdf': b'%PDF'}), layout, layout.submitted)
 
     for assignment in (TALK, LISTEN):
-        (one,) = not_collected(layout, assignment, {'bob'})
-        assert (one.student, one.why) == ('ann', PDF)
-    assert not_collected(layout, TALK, {'ann'}) == ()
+        (one,) = without_result(layout, assignment, [submission('bob')])
+        assert (one.student, one.reason) == ('ann', f'Not collected: {PDF}.')
+    assert without_result(layout, TALK, [submission('ann')]) == ()
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_damaged_file_is_one_sentence(damage, layout, tmp_path):
 
     for act in (
         lambda: collect(source, layout, layout.submitted),
-        lambda: not_collected(layout, TALK, ()),
+        lambda: without_result(layout, TALK, ()),
         lambda: save_collected(layout, [Work('ann')]),
     ):
         with pytest.raises(GraderError, match=r'collected\.json: .* Try: delete the file'):
@@ -148,10 +148,11 @@ class TestShown:
         assert f'Not collected: {PDF} (handed in 2026-03-01 12:00 UTC).' in text
         assert 'Nothing to grade yet from: Ann &lt;b&gt;, bob</p>' in text
 
-    def test_table_has_a_row_for_each(self, missing):
+    def test_table_has_a_row_for_each(self, missing, layout):
         """The rows of missing students follow those with points."""
         console = Console(record=True, width=120, file=None)
-        print_table(console, TALK, [submission('cho')], {}, missing)
+        rows = without_result(layout, TALK, [submission('cho')])
+        print_table(console, TALK, [submission('cho')], {}, rows)
         text = console.export_text()
 
         assert '1001 (Ann <b>)' in text
