@@ -3,7 +3,6 @@
 import argparse
 from collections.abc import Sequence
 
-from autograder.classroom.pages import write_class_report
 from autograder.classroom.results_of_class import graded
 from autograder.classroom.standing import BY_HAND, by_status, CHANGED, TO_GRADE
 from autograder.classroom.statistics import class_numbers, ClassNumbers
@@ -15,15 +14,6 @@ from autograder.results import shortened
 
 BAR = 40
 CAUSE_CHARS = 100
-
-
-@takes(ASSIGNMENT_OR_ALL)
-def report(chosen: argparse.Namespace) -> int:
-    """Write the class page of each assignment and print its path."""
-    layout = Layout.here()
-    for one in graded(layout, chosen.assignment):
-        print(write_class_report(layout, one))
-    return OK
 
 
 @takes(ASSIGNMENT_OR_ALL)
