@@ -254,7 +254,7 @@ def _write(
     summary = f'{count} of {len(results)} submissions were judged again from recordings.'
     by_hand = to_grade_by_hand(layout, lesson.assignment, results)
     write_all_reports(layout, lesson.assignment, results, summary, len(by_hand))
-    in_gradebook = f'{entered} were entered in the gradebook, {count - entered} were unchanged'
+    in_gradebook = f'new in the gradebook: {entered}, unchanged: {count - entered}'
     if refused:
         in_gradebook = f'the gradebook did not accept all of the {entered} changed results'
     said = f'The reports show the new points of {count} submissions; {in_gradebook}.'

@@ -207,8 +207,8 @@ class TestRejudge:
 
         (account,) = rejudge_command(layout, None, None, write=True)
         assert account['written'] == (
-            'The reports show the new points of 4 submissions; 4 were entered in the gradebook, '
-            '0 were unchanged.'
+            'The reports show the new points of 4 submissions; new in the gradebook: 4, '
+            'unchanged: 0.'
         )
         data = {one['student']: one for one in json.loads(results.read_text(encoding='utf-8'))}
         points = [check['points'] for check in data['pass__reference']['exams'][0]['checks']]
@@ -243,7 +243,7 @@ class TestRejudge:
         assert 'fail__two_hertz' in changed
         assert len(changed) < len(STUDENTS)
         assert given == [set(STUDENTS), changed]
-        assert '0 were entered in the gradebook, 4 were unchanged' in unchanged['written']
+        assert 'new in the gradebook: 0, unchanged: 4' in unchanged['written']
         assert [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)] == slowest
         assert all(seconds > 0 for _, seconds in slowest)
 
