@@ -1,6 +1,7 @@
 # The goals of the full project, included by the Makefile; students' copies omit them.
 #
-#|  make grade                grade everything in submitted/ (ARGS='--jobs 2' passes options)
+#|  make grade                grade everything in submitted/; for options, type
+#|                            .venv/bin/autograder grade --help
 #|  make release              generate notebooks/ from solutions/, check the course, pack the
 #|                            students' copy (ARGS=--answers adds worked answers)
 #|  make execute              execute the solved lessons and write the date into those that ran
@@ -16,7 +17,7 @@
 #|  make hub                  run a JupyterHub for a class on this machine, as root (docs/hub.md);
 #|                            make test-hub tests it in headless Chromium
 #|  make check                check style, types, words, and that generated files are up to date
-#|  make coverage             write docs/coverage.md: what the course claims, teaches and tests
+#|  make coverage             write docs/coverage.md: what the course claims, teaches and proves
 #|  make judgement            write docs/agreement.md, mutants.md, causes.md: how well the grader
 #|                            judges
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
@@ -27,8 +28,9 @@
 # Without cached bytecode, each process would compile all tests and the grader again.
 quick test: export PYTHONDONTWRITEBYTECODE =
 
+# A submission for review is no error of make.
 grade: prepare
-	@exec $(PY) -m autograder grade $(ARGS)
+	@exec $(PY) -m autograder grade --allow-review $(ARGS)
 
 # Run this after each change. Type checking takes half a minute the first time, then a second.
 quick: prepare
@@ -66,7 +68,7 @@ check: prepare
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
 	$(PY) -m mypy
-	$(PY) -m autograder.authoring.release check
+	$(PY) -m autograder release --check
 	$(PY) -m tests.claims.coverage --check
 	$(PY) -m tests.attacks.table --check
 	$(PY) -m tests.judgement.agreement --check
@@ -86,7 +88,7 @@ judgement: prepare
 	$(PY) -m tests.judgement.causes
 
 release: prepare
-	@exec $(PY) -m autograder.authoring.release release $(ARGS)
+	@exec $(PY) -m autograder release $(ARGS)
 
 execute: prepare
 	@exec $(PY) -m autograder.authoring.execute $(ARGS)

@@ -93,3 +93,6 @@ c.FeedbackExporter.template_name = 'feedback_page'
 c.FeedbackExporter.extra_template_basedirs = [
     str(Path(find_spec('autograder').origin).parent / 'templates')
 ]
+
+# Settings of this class, such as the late policy: docs/gradebook.md. The file may be missing.
+load_subconfig('nbgrader_config.py', path=str(course.work))

@@ -25,6 +25,10 @@ COMMANDS = {
         'authoring:sample_class_command',
         'write the example submissions to a folder',
     ),
+    'release': (
+        'authoring:release_command',
+        'generate notebooks/ from solutions/, check the course, pack the files for students',
+    ),
     'self-check': (
         'authoring:self_check_command',
         'check that reference solutions pass and untouched notebooks do not',
@@ -108,7 +112,7 @@ def _continuation_advice(chosen: argparse.Namespace) -> str:
         return 'Run the same command again; it starts from the beginning.'
     if getattr(chosen, 'fresh', False):
         return (
-            'Assignments with a table above are done. With --fresh, the same command repeats '
+            'Assignments with a summary above are done. With --fresh, the same command repeats '
             'every run; add --assignment NAME to grade only one assignment.'
         )
     return GOES_ON[chosen.command]
@@ -116,7 +120,7 @@ def _continuation_advice(chosen: argparse.Namespace) -> str:
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Return the command-line parser, with only the options of the requested command."""
-    parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
+    parser = argparse.ArgumentParser(prog='autograder', description=__doc__)
     parser.add_argument(
         '--course',
         type=Path,

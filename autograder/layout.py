@@ -163,14 +163,17 @@ class Layout:
         """
         Return the full name of an assignment.
 
-        :param name: with or without the number: ``07_temperature_monitor`` or
-            ``temperature_monitor``
+        :param name: with or without the number, or the number alone: ``07_temperature_monitor``,
+            ``temperature_monitor``, ``07`` or ``7``
         :raises GraderError: if there is no such assignment; the error suggests a similar name
         """
         known = self.assignments()
         for one in known:
             if name == one or one.endswith(f'_{name}'):
                 return one
+        numbers = [one.partition('_')[0].lstrip('0') for one in known]
+        if name.isdecimal() and numbers.count(name.lstrip('0')) == 1:
+            return known[numbers.index(name.lstrip('0'))]
         close = get_close_matches(name, known, n=1, cutoff=0.3)
         raise GraderError(
             f'{name}: there is no such assignment.',
@@ -182,7 +185,7 @@ class Layout:
         found = sorted((self.notebooks / assignment).glob('*.ipynb'))
         if not found:
             raise FileNotFoundError(
-                f'notebooks/{assignment}/: there is no released notebook. Try: make release'
+                f'notebooks/{assignment}/: there is no released notebook. Try: autograder release'
             )
         return found[0]
 

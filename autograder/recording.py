@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 import json
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ import zlib
 
 from autograder.errors import RecordingInvalid
 from autograder.files import write_atomically
+
+SECOND = 1_000_000_000
 
 FORMAT = 'ros2-course-recording'
 VERSION = 3
@@ -80,13 +83,23 @@ class Recording:
 
     def phase(self, name: str) -> Recording:
         """Return the part of the run from one mark to the next; empty if there is no such mark."""
-        inside, events = False, []
-        for event in self.events:
-            if event['event'] == 'mark':
-                inside = event['name'] == name
-            if inside:
-                events.append(event)
+        events = [event for part, _ in self.parts(name) for event in part.events]
         return Recording(self.header, events)
+
+    def parts(self, name: str) -> list[tuple[Recording, float]]:
+        """
+        Return the parts of the run in a phase, each with its duration [s].
+
+        A part begins at a mark with this name, and ends at the next mark or at the end of the run.
+        """
+        marks = [at for at, event in enumerate(self.events) if event['event'] == 'mark']
+        found = []
+        for at, after in pairwise([*marks, len(self.events)]):
+            if self.events[at]['name'] == name:
+                times_ns = [one.get('clock_ns') or 0 for one in self.events[at : after + 1]]
+                part = Recording(self.header, self.events[at:after])
+                found.append((part, (max(times_ns) - times_ns[0]) / SECOND))
+        return found
 
     def answers(self, service: str) -> list[Event]:
         """Return the outcomes of all calls to a service, in order, including missing answers."""
@@ -109,8 +122,9 @@ class Recording:
         """
         Return the distinct endpoints seen in any graph of the run.
 
-        :param kind: ``'publisher'`` or ``'subscription'``
-        :param topic: full topic name, or None for all topics that ROS itself does not create
+        :param kind: ``'publisher'``, ``'subscription'`` or ``'service'``
+        :param topic: full name, or None for all topics that ROS itself does not create; services
+            that it creates are not recorded
         """
         seen: dict[str, Event] = {}
         for graph in self.of('graph'):

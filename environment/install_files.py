@@ -148,11 +148,27 @@ def write_ros2_command(places: Places, ros: RosEnvironment) -> None:
         # Without site and Python's environment variables, the command starts quickly.
         program = PROJECT / 'environment' / 'ros2_command.py'
         command = shlex.join(map(str, (places.python, '-S', '-E', program, places.venv)))
-        text = f'#!/bin/sh\n# Written by the set-up: {ROS2_MARK}.\nexec {command} "$@"\n'
-        write_atomically(script, text)
-        script.chmod(0o755)
+        _write_script(script, f': {ROS2_MARK}', command)
     elif script.is_file() and ROS2_MARK in script.read_text(errors='replace'):
         script.unlink()
+
+
+def write_autograder_command(places: Places) -> None:
+    """Install ``autograder``, which is ``python -m autograder``; students' copies lack it."""
+    if (PROJECT / 'autograder' / '__main__.py').is_file():
+        # Python would search the current folder first, which may contain students' files.
+        code = (
+            'import sys; sys.path = list(filter(None, sys.path)); '
+            'from autograder.__main__ import main; sys.exit(main())'
+        )
+        command = shlex.join((str(places.python), '-c', code))
+        _write_script(places.venv / 'bin' / 'autograder', '', command)
+
+
+def _write_script(path: Path, about: str, command: str) -> None:
+    text = f'#!/bin/sh\n# Written by the set-up{about}.\nexec {command} "$@"\n'
+    write_atomically(path, text)
+    path.chmod(0o755)
 
 
 def write_description(places: Places, ros: RosEnvironment) -> None:
@@ -161,12 +177,13 @@ def write_description(places: Places, ros: RosEnvironment) -> None:
 
 
 def install_files(places: Places, ros: RosEnvironment) -> None:
-    """Write the path file, kernel, ``ros2`` command, Jupyter settings and description."""
+    """Write the path file, kernel, commands, Jupyter settings and description."""
     # Put the grader and the course on the venv's module path.
     lines = ''.join(f'{folder}\n' for folder in dict.fromkeys((places.project, PROJECT)))
     write_atomically(places.site_packages() / 'ros2_course.pth', lines)
     write_kernel(places, ros)
     write_ros2_command(places, ros)
+    write_autograder_command(places)
     write_jupyter_settings(places)
     write_terminal(places)
     write_description(places, ros)

@@ -127,7 +127,7 @@ def steps_of(plan: Plan) -> list[Step]:
         ),
         Step(
             'files',
-            'Jupyter kernel, ros2 command and settings',
+            'Jupyter kernel, commands and settings',
             always,
             lambda job: install_files.install_files(plan.places, plan.description()),
         ),
@@ -145,7 +145,7 @@ def steps_of(plan: Plan) -> list[Step]:
             lambda: not plan.places.for_students and not system.missing_tools(),
             partial(try_grader, plan),
             about='ten to twenty seconds',
-            try_this='lessons work; before grading, run .venv/bin/python -m autograder self-check',
+            try_this='lessons work; before grading, run .venv/bin/autograder self-check',
             optional=True,
         ),
     ]

@@ -30,6 +30,8 @@ from environment.ros import ros_environment
 
 SECRETS = 200
 """Number of different secrets for which the drawn inputs of an exam are tested."""
+LONGEST = 300
+"""Maximum length of the inputs in a message [characters]."""
 ADVICE = 'Try: correct the exam, or add the missing package to environment/messages.txt'
 
 
@@ -104,9 +106,10 @@ def inseparable_slips(exam: Exam) -> Iterator[str]:
         other = catalog.load_with_secret(exam.name, f'secret {number}')
         for name, asked in other.asks.items():
             for mistake in asked.mistakes():
-                seen.setdefault(f'{name}: {mistake}', f'secret {number}')
-    for mistake, secret in seen.items():
-        yield f'exam {exam.name}, {mistake}; first found with secret {secret!r} of {SECRETS}'
+                inputs = ', '.join(map(repr, asked.inputs))[:LONGEST]
+                seen.setdefault(f'{name}: {mistake}', f"'secret {number}'; inputs: {inputs}")
+    for mistake, where in seen.items():
+        yield f'exam {exam.name}, {mistake}; found with COURSE_SECRET={where}'
 
 
 # -- with the lessons -----------------------------------------------------------------------

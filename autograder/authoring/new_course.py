@@ -5,6 +5,7 @@ The templates are in ``skeleton/``; placeholders such as ``$name`` in them are r
 """
 
 from collections.abc import Mapping
+import json
 from pathlib import Path
 import re
 import shutil
@@ -13,7 +14,8 @@ import tempfile
 
 from autograder.errors import GraderError
 from autograder.files import files_below, write_atomically
-from autograder.layout import Layout
+from autograder.layout import Layout, lesson_files
+from autograder.submission.notebook import is_check, read_release
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 from environment.places import FILE
 
@@ -57,10 +59,10 @@ def new_course(folder: Path) -> list[Path]:
 
 def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     """
-    Create a working exercise: a lesson with a node and a check cell, and both exams.
+    Create a working exercise: a text, a node and a check cell in a lesson, and both exams.
 
-    :param lesson: folder of the lesson, such as ``01_points``
-    :raises GraderError: if a name is not valid, or a file already exists
+    :param lesson: folder of the lesson, such as ``01_points``, which may have other exercises
+    :raises GraderError: if a name is not valid, or an exam of this name exists
     """
     if not NAME.fullmatch(name):
         raise GraderError(f'{name}: expected a lower-case letter, then such letters, digits or _.')
@@ -76,8 +78,10 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
         'kernel': KERNEL_NAME,
         'kernel_title': KERNEL_TITLE,
     }
+    there = [path for path in lesson_files(layout.solutions) if path.parent.name == lesson]
+    cells = read_release(there[0])['cells'] if there else []
+    words['part'] = str(1 + sum(map(is_check, cells)))
     files = {
-        Path('solutions', lesson, f'{lesson[3:]}.ipynb'): _filled('notebook.txt', words),
         Path('exams', 'visible', f'{name}.py'): _filled('visible.txt', words),
         Path('exams', 'hidden', f'{name}.py'): _filled('hidden.txt', words),
     }
@@ -86,9 +90,20 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
             raise GraderError(f'{path}: this file already exists.', 'Try: a different name')
     packages = [Path('exams', part, '__init__.py') for part in ('', 'visible', 'hidden')]
     files |= {path: '' for path in packages if not (layout.root / path).exists()}
+    notebook = there[0] if there else layout.solutions / lesson / f'{lesson[3:]}.ipynb'
+    exercise = _filled('notebook.txt', words)
+    files[notebook.relative_to(layout.root)] = _appended(there[0], exercise) if there else exercise
     for path, text in files.items():
         write_atomically(layout.root / path, text.encode())
     return list(files)
+
+
+def _appended(lesson: Path, exercise: str) -> str:
+    """Return a lesson with the text, the node and the check cell of one more exercise."""
+    notebook = json.loads(lesson.read_text(encoding='utf-8'))
+    text, _, answer, check = json.loads(exercise)['cells']
+    notebook['cells'] += [{**text, 'id': f'text-{answer["id"]}'}, answer, check]
+    return json.dumps(notebook, indent=1, ensure_ascii=False) + '\n'
 
 
 def _filled(name: str, words: Mapping[str, str]) -> str:

@@ -32,7 +32,8 @@ class Work:
     :param person: the student's name, empty if the id is a name
     :param kind: platform of the collected work, such as ``canvas``
     :param place: name of the collected notebook's file or folder in the source
-    :param number: the student's number in Moodle when the work was collected
+    :param number: the student's numbers in Moodle, one from each activity, separated by spaces
+    :param turn: the number of the collected file in Canvas, which is larger for newer files
     :param why: why the work was not collected, without a full stop; empty if it was
     :param handed_in: time of delivery of uncollected work in UTC, empty if it is not known
     :param shared: whether two people have this student id; such an entry is about no work
@@ -47,6 +48,7 @@ class Work:
     why: str = ''
     handed_in: str = ''
     shared: bool = False
+    turn: str = ''
 
     @property
     def reason(self) -> str:
@@ -123,7 +125,8 @@ def save_collected(
     for one in sorted(found, key=lambda one: one.handed_in):
         old = known.pop(_key(one), one)
         person = printable_name(one.person) or names.get(one.student, '')
-        known[_key(one)] = replace(one, person=person, number=one.number or old.number)
+        numbers = dict.fromkeys([*old.number.split(), *one.number.split()])
+        known[_key(one)] = replace(one, person=person, number=' '.join(numbers))
     kept = [
         {name: value for name, value in asdict(one).items() if value}
         for one in known.values()

@@ -171,7 +171,11 @@ def print_table(
     people: Mapping[str, str],
     missing: Sequence[Standing],
 ) -> None:
-    """Print students, points and first causes as a table, then the flags for the instructor."""
+    """
+    Print students, points and first causes as a table, then the flags for the instructor.
+
+    :param missing: work that could not be collected; its rows contain the reasons
+    """
     exams = [exam for one in results for exam in one.exams]
     weak = ', '.join(sorted({exam.mode for exam in exams if exam.not_protected}))
     title = f'{assignment} (WEAK ISOLATION: {weak})' if weak else assignment
@@ -193,9 +197,6 @@ def print_table(
         cause = Text(printable(shortened(why.replace('\n', ' '), WHY_CHARS)))
         table.add_row(Text(printable(with_name(student, people))), given, cause)
     console.print(table)
-    if names := names_for_email(missing):
-        text = f'Nothing to grade yet from: {names}'
-        console.print(Text(printable(text)), soft_wrap=True)
     for result in results:
         for flag in result.flags:
             console.print(Text(printable(f'flag: {result.student}: {flag}')))

@@ -30,7 +30,7 @@ TO_GRADE = (CHANGED, UNGRADED)
 WITHOUT_RESULT = (*TO_GRADE, NOT_COLLECTED, MISSING)
 ADVICE = {
     **dict.fromkeys((*TO_GRADE, NOT_ENTERED), 'make grade'),
-    BY_HAND: 'make lab, menu Nbgrader, Formgrader; or --points automatic in exports',
+    BY_HAND: 'make lab, Nbgrader > Formgrader > Manual Grading; or --points automatic in exports',
 }
 """What to do about a status, for those that an instructor can change."""
 MAX_NAMED = 10

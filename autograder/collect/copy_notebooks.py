@@ -2,14 +2,16 @@
 Collect a class's work: read a source, copy the selected notebooks, and print a table.
 
 Each file is written atomically.  Collecting Monday's zip after Tuesday's changes nothing: if the
-times of both notebooks are known, an older notebook does not replace a newer copy.  If either time
-is unknown, as with Canvas, Moodle and repositories, the new notebook replaces the copy, and a note
-in the table reports this.
+times or Canvas's numbers of both notebooks are known, an older notebook does not replace a newer
+copy.  Otherwise, as with Moodle and repositories, the new notebook replaces the copy, and a note
+in the table reports this.  The replaced notebook is kept in a folder that nbgrader, the grader and
+``collect`` ignore, but that ``forget`` moves away with the rest.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from datetime import datetime
 import os
 from pathlib import Path
 import sys
@@ -33,6 +35,9 @@ from autograder.layout import Layout
 from autograder.submission.inbox import SECRET, STAMP
 from autograder.submission.reading import opened, read_file, Tree, UnreadableError
 
+KEPT = '.ipynb_checkpoints'
+"""Folder next to a notebook for the notebook that it replaced; all programs ignore it."""
+
 
 def collect(
     source: Path,
@@ -53,7 +58,8 @@ def collect(
     :param kind: platform of the source; empty to recognise it
     :param write: False to only report what would be done
     :param prefix: the prefix to remove from the names of students' folders
-    :param trust_names: whether to collect deliveries of an exchange that other users own
+    :param trust_names: whether to collect deliveries of an exchange that other users own, and
+        those of a second activity in Moodle
     :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` or the file
         of saved work is wrong
     """
@@ -71,9 +77,10 @@ def collect(
             assignment = most_common_assignment(notebooks.values(), course, tree.name)
             for one in found:
                 one.assignment = assignment
-        shared = check_names(found, read_collected(layout))
+        before = read_collected(layout)
+        shared = check_names(found, before, trust_names)
         chosen, others = choose(notebooks, course, single)
-        done = [(one, _take(one, course, to, write)) for one in chosen]
+        done = [(one, _take(one, course, to, write)) for one in _with_turns(chosen, before)]
         rows = [*_refused(tree), *unknown, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:
         rows.append(unclaimed('the gradebook', course.due.problem))
@@ -89,6 +96,14 @@ def collect(
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
+def _with_turns(chosen: Iterable[Chosen], before: Iterable[Work]) -> Iterator[Chosen]:
+    """Yield the selected notebooks, each with the turn of the copy that it would replace."""
+    turns = {(one.student, one.assignment): one.turn for one in before if one.turn.isdecimal()}
+    for one in chosen:
+        turn = turns.get((one.row.student, one.row.assignment), '0')
+        yield one._replace(turn_there=int(turn))
+
+
 def _unwritable(error: OSError) -> str:
     return f'cannot be written: {(error.strerror or "error").lower()}'
 
@@ -97,8 +112,10 @@ def _collected(done: Sequence[tuple[Chosen, Row]], kind: str) -> Iterator[Work]:
     """Yield the collected work, for names and exports."""
     for one, row in done:
         if row.done != LEFT:
-            number = one.notebook.delivery.number
-            yield Work(row.student, row.assignment, row.person, kind, row.place, number)
+            number, turn = one.notebook.delivery.number, one.notebook.turn
+            turn = max(turn, one.turn_there) if row.done == UNCHANGED else turn
+            work = Work(row.student, row.assignment, row.person, kind, row.place, number)
+            yield replace(work, turn=str(turn or ''))
 
 
 def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[Work]:
@@ -155,7 +172,8 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
     :raises UnreadableError: if the notebook in the source can no longer be read
     """
     folder = to / one.row.student / one.row.assignment
-    for part in (folder.parent, folder):
+    kept = folder / KEPT / f'{file_name.removesuffix(".ipynb")}-replaced.ipynb'
+    for part in (folder.parent, folder, kept.parent):
         if part.is_symlink():
             raise NotADirectoryError(20, 'a link where a folder should be')
     notebook, time = folder / file_name, folder / STAMP
@@ -167,10 +185,11 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
     if same and wanted in (None, time_there):
         return UNCHANGED, ''
     new, old = read_time(wanted)[0], read_time(time_there)[0]
-    if there is not None and new and old and new < old:
-        said = f'older than the collected one from {old:%Y-%m-%d %H:%M}'
-        return (UNCHANGED, 'handed in again later') if same else (LEFT, said)
+    if there is not None and (why := _why_older(one, new, old)):
+        return (UNCHANGED, 'handed in again later') if same else (LEFT, why)
     if write:
+        if there is not None and not same:
+            write_atomically(kept, there)
         if wanted is None and os.path.lexists(time):
             # Remove the time first: if the process is killed between the two steps, the new
             # notebook must not keep the old time.
@@ -181,23 +200,51 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
             write_atomically(notebook, data)
     if there is None:
         return TAKEN if time_there is None else REPLACED, ''
-    return REPLACED, '' if same or (new and old) else 'it is unknown which notebook is newer'
+    notes = []
+    if not (same or (new and old) or (one.notebook.turn and one.turn_there)):
+        notes.append(f'it is unknown which notebook is newer; the other one is now in {KEPT}/')
+    if old and not wanted:
+        notes.append(f'the time of the replaced notebook, {old:%Y-%m-%d %H:%M}, was removed')
+    return REPLACED, '; '.join(notes)
 
 
-def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
-    """Print the table and a summary; control characters in names are replaced."""
+def _why_older(one: Chosen, new: datetime | None, old: datetime | None) -> str:
+    """Return why a notebook is older than its copy; empty if it is not, or if it is unknown."""
+    turn, turn_there = one.notebook.turn, one.turn_there
+    if new and old:
+        return f'older than the collected one from {old:%Y-%m-%d %H:%M}' if new < old else ''
+    if not 0 < turn < turn_there:
+        return ''
+    said = f'number {turn} in Canvas, older than the collected one, which has {turn_there}'
+    return f'{said}. Try: to collect it anyway, delete the collected one'
+
+
+def print_rows(rows: Sequence[Row], to: Path, written: bool, every: bool = False) -> None:
+    """
+    Print a table and a summary; control characters in names are replaced.
+
+    :param every: whether the table also lists unchanged work, and other work without a note
+    """
+    shown = [row for row in rows if every or _is_news(row)]
     console = Console(width=None if sys.stdout.isatty() else 160)
     table = Table()
     for title in ('Student', 'Assignment', 'Done', 'Handed in', 'From', 'Notes'):
         table.add_column(title, overflow='fold')
-    for row in rows:
+    for row in shown:
         student = f'{row.student} ({row.person})' if row.person else row.student
         notes = '; '.join(row.notes)
         cells = (student, row.assignment, row.done, row.handed_in, row.place, notes)
         table.add_row(*(Text(printable(cell)) for cell in cells))
-    console.print(table)
+    if shown:
+        console.print(table)
     counts = Counter(row.done for row in rows)
     said = ', '.join(f'{count} {done}' for done, count in sorted(counts.items()))
     where = f'Folder: {to}' if written else 'Nothing was written (--dry-run)'
     summary = f'{said or "no submissions"}. {where}. Times are UTC.'
+    if hidden := len(rows) - len(shown):
+        summary += f' Rows without news: {hidden} (--all shows them).'
     console.print(summary, markup=False, highlight=False, soft_wrap=True)
+
+
+def _is_news(row: Row) -> bool:
+    return row.done == LEFT or (bool(row.notes) and row.done != UNCHANGED)

@@ -9,6 +9,7 @@ import re
 from sqlalchemy import DateTime, Interval, text
 
 from autograder.classroom.people import extensions
+from autograder.collect.deliveries import NOTEBOOK
 from autograder.errors import GraderError
 from autograder.gradebook.database import query
 from autograder.layout import Layout
@@ -110,7 +111,7 @@ class Course:
 
     def of_file(self, name: str) -> str:
         """Return the assignment whose notebook has this name, ignoring suffixes like ``(1)``."""
-        plain = _COPY.sub('', name)
+        plain = _COPY.sub('', NOTEBOOK.sub('.ipynb', name))
         found = [one for one, file in self.file_names.items() if file in (name, plain)]
         return found[0] if len(found) == 1 else ''
 
@@ -126,8 +127,15 @@ class Course:
         begins = (name[: len(one) + 1] for one in fitting)
         return max((one for one in begins if one != name), key=len, default='')
 
-    def shared(self, data: bytes) -> dict[str, int]:
-        """Return the number of grade ids in a notebook, by assignment; zeros are left out."""
-        cells, _ = read_notebook(data, '')
+    def shared(self, data: bytes) -> tuple[dict[str, int], str]:
+        """
+        Count the grade ids in a notebook.
+
+        :returns: the counts by assignment, without zeros; and why the data is not a notebook and
+            what to try, empty if it is one
+        """
+        cells, problems = read_notebook(data, '')
         ids = {cell.grade_id for cell in cells or ()} - {''}
-        return {name: len(ids & theirs) for name, theirs in self.cells.items() if ids & theirs}
+        counts = {name: len(ids & theirs) for name, theirs in self.cells.items() if ids & theirs}
+        broken = [f'{one.got}. Try: ask the student to {one.try_this}' for one in problems]
+        return counts, broken[0] if cells is None else ''

@@ -5,15 +5,24 @@ The platform chose the names of the entries at one :data:`Level` of a source.  S
 names below that level, so these names never show who handed in a file.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from functools import cached_property
+from functools import partial
+import re
 from typing import NamedTuple
 
 from autograder.submission.inbox import student_id
 from autograder.submission.notebook import MAX_BYTES
-from autograder.submission.reading import Bounds, File, Parts, Tree
+from autograder.submission.reading import (
+    Bounds,
+    File,
+    files_in_zip,
+    Parts,
+    refuse,
+    Tree,
+    UnreadableError,
+)
 
 REPOSITORY = '.git'
 NOISE = {'__MACOSX', '.DS_Store', '.ipynb_checkpoints', REPOSITORY, '.venv', '__pycache__'}
@@ -31,6 +40,13 @@ file or is directly in the workspace of the lessons.
 """
 _WORKSPACE = 'ros_ws'
 TAKEN, REPLACED, UNCHANGED, LEFT = 'taken', 'replaced', 'unchanged', 'not taken'
+
+
+NOTEBOOK = re.compile(r'\.ipynb(\.txt|\.json)?$', re.IGNORECASE)
+"""The ending of a notebook's name; some browsers add ``.txt`` or ``.json``."""
+ZIP = '.zip'
+MAX_ZIPS = 10
+"""Maximum number of zip files that are opened in one folder or zip file of a student."""
 
 
 def _is_noise(parts: Parts, marked: Collection[Parts]) -> bool:
@@ -55,6 +71,8 @@ Limits of a source.
 Files that programs generate next to the work are neither listed nor counted.  Otherwise the built
 workspace of one student could exceed the limits for the whole class.
 """
+IN_ZIP = BOUNDS._replace(entries=2_000, listed=20_000)
+"""Limits of a zip file that a student handed in."""
 
 
 class DeliveredFile(NamedTuple):
@@ -104,7 +122,8 @@ class Delivery:
 
     :param student: the student as named in the source; :attr:`id` is the student id
     :param called: the whole name in the source, if ``student`` is a part of it
-    :param number: the student's number in Moodle, which differs in each assignment
+    :param number: the student's number in Moodle, which differs in each activity
+    :param known: the student id, if it was found by the number and not by the name
     :param place: name of the entry of the source, if there are no files
     :param person: the student's name, if the id is not a name
     :param when: time of delivery in UTC, None if it is unknown
@@ -128,17 +147,39 @@ class Delivery:
     notes: tuple[str, ...] = ()
     called: str = ''
     number: str = ''
+    known: str = ''
     owners: frozenset[int] = frozenset()
 
-    @cached_property
+    @property
     def id(self) -> str:
         """Return the student id, empty if the name has no letter or digit."""
-        return student_id(self.student)
+        return self.known or student_id(self.student)
 
     @property
     def places(self) -> tuple[str, ...]:
         """Return the entries of the source that belong to the delivery, in order."""
         return tuple(dict.fromkeys(one.place for one in self.files)) or (self.place,)
+
+
+def notebooks_in(files: Sequence[DeliveredFile], levels: int = 2) -> list[DeliveredFile]:
+    """
+    Return the notebooks among the files of one entry.
+
+    If there are none, zip files are opened, and if these have none either, all JSON files are
+    returned.  A zip file that cannot be opened is returned too: reading it raises the reason.
+
+    :param levels: how many zip files may be inside each other
+    """
+    if found := [one for one in files if NOTEBOOK.search(one.file.name)]:
+        return found
+    zips = [one for one in files if one.file.name.lower().endswith(ZIP)][:MAX_ZIPS]
+    for one in zips if levels else ():
+        try:
+            inside = [one._replace(file=file) for file in files_in_zip(one.file, IN_ZIP)]
+            found += notebooks_in(inside, levels - 1)
+        except UnreadableError as error:
+            found.append(one._replace(file=one.file._replace(read=partial(refuse, str(error)))))
+    return found or [one for one in files if one.file.name.lower().endswith('.json')]
 
 
 class Entry(NamedTuple):

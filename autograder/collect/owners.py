@@ -4,10 +4,13 @@ Refuse deliveries whose owner is unclear.
 Moodle's exports contain no other id than the name.  If the id were the name alone, two people
 would share an id; if it also depended on the other deliveries, one person could get two ids.  So
 ``collect`` refuses work under a shared name until the instructor adds an id to the names of the
-folders.  Moodle numbers the participants of each assignment from scratch, but within an assignment
-each person keeps one number.  The numbers are saved, because an export may contain the work of
-only one of the two.  Two people with the same name who never hand in the same assignment are not
-detected.
+folders.  In each of Moodle's activities, every participant has one number, which no other person
+and no other activity has (table ``assign_user_mapping``).  The numbers are saved, because an
+export may contain the work of only one of the two.  So a known number is enough to recognise a
+student whose folder was renamed earlier.  A known name with a new number is a different person,
+or the same person in a second activity for the same work, such as one for late work.  If most
+students of an export are known and have new numbers, it is a second activity.  Two people with the
+same name who never hand in the same assignment are not detected.
 
 In nbgrader's exchange, every user of the machine can create a folder in ``inbound/`` and name it
 after any student, and nbgrader leaves the folder writable for all users.  So the name proves
@@ -29,38 +32,65 @@ from autograder.layout import Layout
 ADVICE = 'if you copied it there yourself, use --trust-names (docs/exchange.md)'
 
 
-def check_names(deliveries: Sequence[Delivery], before: Sequence[Work]) -> list[str]:
-    """Refuse work under a name that two people share, or may share; return the shared ids."""
+def check_names(
+    deliveries: Sequence[Delivery], before: Sequence[Work], trust: bool = False
+) -> list[str]:
+    """
+    Refuse work under a name that two people share, or may share; return the shared ids.
+
+    :param trust: whether a known name with an unknown number is the same person
+    """
+    numbered = [one for one in deliveries if one.number and one.id]
+    earlier = {(one.student, one.assignment): one.number.split() for one in before if one.number}
     here: dict[str, set[str]] = {}
-    for one in deliveries:
-        if one.number and one.id:
-            here.setdefault(one.id, set()).add(one.number)
-    shared = [student for student, numbers in here.items() if len(numbers) > 1]
-    known = {*shared, *(one.student for one in before if one.shared)}
-    numbers_before = {(one.student, one.assignment): one.number for one in before if one.number}
-    for one in deliveries:
-        earlier = numbers_before.get((one.id, one.assignment), one.number)
-        one.refused = _doubt(one, one.id in known, earlier) or one.refused
-    return shared
+    for one in numbered:
+        here.setdefault(one.id, set()).add(one.number)
+    renamed = {one: work for one in numbered for work in before if _is_renamed(one, work)}
+    shared = {student for student, numbers in here.items() if len(numbers) > 1}
+    shared |= {one.id for one in renamed}
+    refused = {*shared, *(one.student for one in before if one.shared)}
+    new = {one.number for one in numbered if _is_new(one, earlier)}
+    trust |= 2 * len(new) > len({one.number for one in numbered}) > 1
+    for one in numbered:
+        if work := renamed.get(one):
+            one.known, one.person = work.student, work.person or work.student
+        elif one.id in refused:
+            one.refused = _shared(one)
+        elif _is_new(one, earlier) and not trust:
+            one.refused = _perhaps_different(one, earlier[one.id, one.assignment])
+    return sorted(shared)
 
 
-def _doubt(one: Delivery, shared: bool, earlier: str) -> str:
-    """Return why the owner of a delivery is unclear and what to do, or an empty string."""
-    name, number = one.student[:60], one.number
-    if number and shared:
-        return (
-            f'two people are called {name!r}: unpack the zip, add the same id to all folders of '
-            f'one person, as in "{name} ID_{number}_assignsubmission_file", and find out '
-            f'whose work is in submitted/{one.id}'
-        )
-    if number and number != earlier:
-        return (
-            f'perhaps a different {name!r}: number {number} in Moodle, earlier {earlier}; add an '
-            f'id to the name of the folder as in "{name} ID_{number}_assignsubmission_file", or, '
-            f'if Moodle has two assignments for this work, remove {earlier} from '
-            '_work/collected.json'
-        )
-    return ''
+def _is_renamed(one: Delivery, work: Work) -> bool:
+    """Return whether the number of a delivery is known, under a longer name."""
+    known = work.assignment == one.assignment and one.number in work.number.split()
+    return known and work.student != one.id and one.student in (work.person or work.student)
+
+
+def _is_new(one: Delivery, earlier: Mapping[tuple[str, str], Sequence[str]]) -> bool:
+    """Return whether the student is known for the assignment, but only with other numbers."""
+    return one.number not in earlier.get((one.id, one.assignment), (one.number,))
+
+
+def _shared(one: Delivery) -> str:
+    """Return that two people share the name of a delivery, and what to do."""
+    name = one.student[:60]
+    return (
+        f'two people are called {name!r}: unpack the zip, add the same id to the names of all '
+        f'folders or files of one person, as in "{name} ID_{one.number}_assignsubmission_file", '
+        f'and find out whose work is in submitted/{one.id}'
+    )
+
+
+def _perhaps_different(one: Delivery, earlier: Sequence[str]) -> str:
+    """Return that a delivery may be from a different person of this name, and what to do."""
+    name = one.student[:60]
+    return (
+        f'perhaps a different {name!r}: number {one.number} in Moodle, earlier '
+        f'{" and ".join(earlier)}. Try: if Moodle has two assignments for this work, add '
+        '--trust-names; if these are two people, unpack the zip and add an id to the name of the '
+        f'folder or file, as in "{name} ID_{one.number}_assignsubmission_file"'
+    )
 
 
 def owner_doubt(student: str, uids: Collection[int], owners: Mapping[str, str]) -> str:

@@ -7,8 +7,9 @@ user's number, which is also in Canvas's gradebook file.  With anonymous grading
 ``..._link.html``.  A student's name may contain underscores and numbers, so a file name can be
 ambiguous.  Then the other files help: each attachment number belongs to one file, the numbers of
 an export are close together, and a user has one name.  If a file name is still ambiguous, the file
-is not collected.  Source: canvas-lms, lib/content_zipper.rb, which removes numbers between
-underscores from names.
+is not collected.  A submission of a file that was submitted before has a new, larger attachment
+number.  Sources: canvas-lms, lib/content_zipper.rb, which removes numbers between underscores from
+names, and ``copy_attachments_to_submissions_folder`` in app/models/attachment.rb.
 
 Moodle names folders ``NAME_NUMBER_assignsubmission_file[_]``.  The number differs in each
 assignment, so the student id is the name; ``owners`` detects two people with the same name.

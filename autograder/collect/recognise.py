@@ -22,9 +22,11 @@ from autograder.collect.deliveries import (
     Entry,
     Level,
     level,
+    NOTEBOOK,
     only_folder,
     Row,
     unclaimed,
+    ZIP,
 )
 from autograder.collect.platforms import EXCHANGE, FOLDERS, INBOUND, SYSTEMS
 from autograder.explaining.feedback import printable
@@ -33,7 +35,10 @@ from autograder.submission.inbox import STAMP
 from autograder.submission.reading import Tree, UnreadableError, UnusableUploadError
 
 FOLDER, EXPECTED = 'folder', 'one folder or one notebook per student'
-NOTEBOOK = '.ipynb'
+ZIPPED = (
+    'a zip file. Try: collect it alone if it is a download; unpack it into a folder with the name '
+    'of the student if it is the work of one student'
+)
 NAMES_SHOWN = 3
 FEW = 20
 """Maximum number of notebooks read to distinguish a class from the copies of one student."""
@@ -150,24 +155,26 @@ def _is_class(inner: Level, course: Course) -> bool:
 
 def _are_students(files: Sequence[Entry], course: Course) -> bool:
     """Return whether files are notebooks of different students: some share an assignment."""
-    if not all(one.name.endswith(NOTEBOOK) and not course.of_file(one.name) for one in files):
+    if not all(NOTEBOOK.search(one.name) and not course.of_file(one.name) for one in files):
         return False
     lessons: Counter[str] = Counter()
     for one in files[:FEW]:
         with suppress(UnreadableError):
-            lessons.update(set(course.shared(one.files[0].read())))
+            lessons.update(course.shared(one.files[0].read())[0].keys())
     return any(count > 1 for count in lessons.values())
 
 
 def _delivery(entry: Entry, course: Course, prefix: str) -> Delivery | Row:
     """Return the delivery of a student, or a row if the entry is not a student's."""
     name = entry.name
-    if not entry.folder and not name.lower().endswith(NOTEBOOK):
+    if not entry.folder and name.lower().endswith(ZIP):
+        return unclaimed(name, ZIPPED)
+    if not entry.folder and not NOTEBOOK.search(name):
         return unclaimed(name, "neither a notebook nor a student's folder")
     if entry.folder and name in course.assignments:
         why = 'the name of an assignment, not of a student: collect the folder above'
         return unclaimed(name, why)
-    name = name if entry.folder else name[: -len(NOTEBOOK)]
+    name = name if entry.folder else NOTEBOOK.sub('', name)
     off = prefix if name.startswith(prefix) and name != prefix else ''
     if entry.repository:
         off = off or course.beginning(name)

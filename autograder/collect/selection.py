@@ -22,7 +22,7 @@ from statistics import multimode
 from typing import NamedTuple
 
 from autograder.collect.course import Course
-from autograder.collect.deliveries import Delivery, LEFT, Row, TAKEN
+from autograder.collect.deliveries import Delivery, LEFT, NOTEBOOK, notebooks_in, Row, TAKEN
 from autograder.collect.platforms import read_time
 from autograder.results import first_of
 from autograder.submission.inbox import STAMP
@@ -32,6 +32,11 @@ MOST_NOTEBOOKS = 50
 """Maximum number of notebooks read from one delivery; a clone of the course has about twelve."""
 MOST_BYTES_EACH = 256 << 20
 NAMES_SHOWN = 3
+ASK = 'ask the student for the .ipynb file'
+NO_TIME = (
+    '; the time is unknown, so a late policy cannot apply. Try: write the time into timestamp.txt '
+    '(docs/gradebook.md)'
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +47,7 @@ class NotebookInfo:
     :param shared: number of grade ids in the notebook, by assignment
     :param named: the assignment that the name of the file or folder suggests
     :param why: why the notebook was not read, empty if it was
+    :param broken: why the file is not a notebook and what to try, empty if it is one
     """
 
     delivery: Delivery
@@ -51,6 +57,7 @@ class NotebookInfo:
     shared: Mapping[str, int] = field(default_factory=dict)
     named: str = ''
     why: str = ''
+    broken: str = ''
 
     @property
     def content(self) -> str:
@@ -69,11 +76,13 @@ class Chosen(NamedTuple):
 
     :param when: time of delivery in UTC, None if it is not known
     :param row: its row in the table, before the notebook is written
+    :param turn_there: turn of the notebook that was collected earlier, 0 if it is not known
     """
 
     notebook: NotebookInfo
     when: datetime | None
     row: Row
+    turn_there: int = 0
 
 
 def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[NotebookInfo]:
@@ -87,7 +96,11 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
     delivery.assignment = wanted or delivery.assignment
     if delivery.refused:
         return []
-    files = [one for one in delivery.files if one.file.name.lower().endswith('.ipynb')]
+    files = [
+        found
+        for place in delivery.places
+        for found in notebooks_in([one for one in delivery.files if one.place == place])
+    ]
     files.sort(key=lambda one: (len(one.file.parts), one.file.parts))
     files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
     notebooks, left = [], MOST_BYTES_EACH
@@ -107,7 +120,9 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
                 )
             data = file.read()
             left -= len(data)
-            notebooks.append(replace(one, shared=course.shared(data)))
+            shared, broken = course.shared(data)
+            if shared or NOTEBOOK.search(file.name):
+                notebooks.append(replace(one, shared=shared, broken=broken))
         except UnreadableError as error:
             notebooks.append(replace(one, why=str(error)))
     return notebooks
@@ -228,15 +243,17 @@ def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -
     newest = {(one.delivery.places, one.file.parts): one for one in by_turn}
     best = max(newest.values(), key=merit)
     file = best.file
-    beside = [one for one in newest.values() if one.delivery is best.delivery]
+    beside = [one for one in newest.values() if one.delivery is best.delivery and one is not best]
     older = [one for one in candidates if one is not best and _is_attempt(one, best)]
     notes = [f'the newest of {len(older) + 1} attempts'] if older else []
     if best.shared and not all(one.shared for one in older):
         notes[0] += ' with a cell of the assignment'
-    if len(beside) > 1:
-        notes.append(f'{file.path}, one of {len(beside)} notebooks for the assignment')
+    if beside:
+        notes.append(_why_this(best, beside, assignment))
     notes += _said(best.delivery)
-    if course.cells[assignment] and not best.shared:
+    if best.broken:
+        notes.append(f'not a notebook, but {best.broken}')
+    elif course.cells[assignment] and not best.shared:
         notes.append('it contains no cell of the assignment')
     if file.name != course.file_names[assignment]:
         notes.append(f'the file was called {file.name[:60]!r}')
@@ -244,6 +261,17 @@ def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -
     due = course.due.of(best.delivery.id, assignment) if when else None
     said = (*late_notes(best.delivery.late, when, due), *notes, *about_time)
     return Chosen(best, when, _row(best.delivery, assignment, best.place, TAKEN, said, when))
+
+
+def _why_this(best: NotebookInfo, beside: Sequence[NotebookInfo], assignment: str) -> str:
+    """Return why a notebook was chosen, and not those beside it, and how to change this."""
+    others = first_of([one.file.path[:80] for one in beside], NAMES_SHOWN)
+    counts = [one.shared.get(assignment, 0) for one in (best, *beside)]
+    why = 'it has the most' if counts[0] > max(counts[1:]) else 'they have equally many'
+    return (
+        f'{best.file.path} was chosen, not {others}: {why} cells of the assignment. Try: if that '
+        f'is wrong, unpack the download, delete {best.file.name} and collect the folder'
+    )
 
 
 def _is_attempt(one: NotebookInfo, best: NotebookInfo) -> bool:
@@ -266,7 +294,7 @@ def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[
         parts = ((minutes // 1440, 'd'), (minutes // 60 % 24, 'h'), (minutes % 60, 'min'))
         length = ' '.join(f'{count} {unit}' for count, unit in parts if count)
         return (f'late by {length or "less than a minute"}',)
-    unknown = '' if when else '; the time is unknown, so a late policy cannot apply'
+    unknown = '' if when else NO_TIME
     return (f'late, according to {late}{unknown}',) if late else ()
 
 
@@ -313,7 +341,9 @@ def _others(
             said = [f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]]
         if delivery.refused or said:
             why = delivery.refused or first_of(said, NAMES_SHOWN, '; ')
-            notes = (why, *late_notes(delivery.late, delivery.when, None), *_said(delivery))
+            advice = () if there or delivery.refused else (ASK,)
+            late = (f'late, according to {delivery.late}',) if delivery.late else ()
+            notes = (why, *advice, *late, *_said(delivery))
             yield _row(delivery, about, place, LEFT, notes, delivery.when)
 
 
@@ -328,6 +358,8 @@ def _why_not(one: NotebookInfo, chosen: bool, goal: str) -> str:
         return f'{path}: not an assignment of this course; name one with --assignment'
     if goal and one.named not in ('', goal):
         return f'{path}: named like {one.named}, but it contains no cell of {goal}'
+    if one.broken:
+        return f'{path}: not a notebook, but {one.broken}'
     more = '' if chosen and not one.named else ', and it is not the only notebook'
     return f'{path}: it contains no cell of {about or "this course"}{more}'
 

@@ -1,4 +1,4 @@
-"""Commands of ``python -m autograder``; this module defines exit codes and shared options."""
+"""Commands of ``autograder``; this module defines exit codes and shared options."""
 
 import argparse
 from collections.abc import Callable

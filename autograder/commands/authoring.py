@@ -1,4 +1,4 @@
-"""The commands ``new-course``, ``new-exam``, ``sample-class`` and ``self-check``."""
+"""The commands for authors, such as ``new-course``, ``new-exam``, ``release``, ``self-check``."""
 
 import argparse
 import os
@@ -8,9 +8,12 @@ import sys
 
 from autograder.authoring.exam_mistakes import self_check
 from autograder.authoring.new_course import new_course, new_exam
+from autograder.authoring.release import check, generate
 from autograder.authoring.sample_class import write_sample_class
+from autograder.authoring.student_bundle import pack
 from autograder.commands import flag, FOR_REVIEW, OK, option, takes, TO_SUBMITTED
 from autograder.commands.grade import relative_path
+from autograder.errors import GraderError
 from autograder.grading.pipeline import grading_engine
 from autograder.layout import Layout
 
@@ -21,7 +24,7 @@ def new_course_command(chosen: argparse.Namespace) -> int:
     made = new_course(chosen.folder)
     print(f'Created a course with {len(made)} files in {chosen.folder}. Next, run in that folder:')
     print(f'  {shlex.quote(sys.executable)} -m environment prepare')
-    print('  .venv/bin/python -m autograder new-exam NAME --lesson 01_NAME')
+    print('  .venv/bin/autograder new-exam NAME --lesson 01_NAME')
     return OK
 
 
@@ -35,8 +38,33 @@ def new_exam_command(chosen: argparse.Namespace) -> int:
     for path in new_exam(course, chosen.name, chosen.lesson):
         print(os.path.relpath(course.root / path))
     print('Created these files; they already work. Edit them, then run:')
-    print('  .venv/bin/python -m autograder.authoring.release release')
-    print('  .venv/bin/python -m autograder self-check')
+    print('  .venv/bin/autograder release')
+    print('  .venv/bin/autograder self-check')
+    return OK
+
+
+@takes(
+    flag('--check', 'only check that the files of the course agree; write nothing'),
+    flag('--answers', 'let students see a worked answer after full points or three tries'),
+)
+def release_command(chosen: argparse.Namespace) -> int:
+    """Generate the students' notebooks, check the course, and pack the files for students."""
+    layout = Layout.here()
+    made = [] if chosen.check else generate(layout, layout.notebooks)
+    if not (made or chosen.check):
+        raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
+    if lines := check(layout):
+        print('\n'.join(lines))
+        if made:
+            print('Nothing was packed. Try: correct these mistakes, then release again.')
+        return FOR_REVIEW
+    if chosen.check:
+        print('The notebooks and the exams agree.')
+        return OK
+    bundle = layout.work / 'student_bundle.zip'
+    count = pack(layout, bundle, chosen.answers)
+    print(f'notebooks/ contains {", ".join(made)}.')
+    print(f'{bundle.relative_to(layout.root)} contains {count} files for students.')
     return OK
 
 

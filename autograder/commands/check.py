@@ -131,7 +131,7 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
         return error.what, error.fix
     if isinstance(error, ModuleNotFoundError):
         what = f'{sys.executable}: this Python has no module {error.name}.'
-        return what, 'Try: make grade, or .venv/bin/python -m autograder'
+        return what, 'Try: make grade, or .venv/bin/autograder'
     if isinstance(error, OSError) and error.strerror:
         said = from_os_error(error)
         return said.what, said.fix

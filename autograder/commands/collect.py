@@ -2,6 +2,8 @@
 
 import argparse
 from contextlib import nullcontext
+from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 import sys
 
@@ -38,10 +40,11 @@ from autograder.layout import Layout
     ),
     flag(
         '--trust-names',
-        "trust the folder names in nbgrader's exchange, without checking who owns the folders "
-        '(see docs/exchange.md)',
+        "trust the names: do not check who owns the folders in nbgrader's exchange "
+        '(see docs/exchange.md), or whether known students have new numbers in Moodle',
     ),
     TO_SUBMITTED,
+    flag('--all', 'print all rows, including unchanged work and work without a note'),
     flag('--dry-run', 'print the table and write nothing'),
 )
 def run(chosen: argparse.Namespace) -> int:
@@ -66,7 +69,9 @@ def run(chosen: argparse.Namespace) -> int:
         if taken and (count := remove_sample_class(layout)):
             said = f'Removed the {count} example students from {to.name}/ and the gradebook.'
             print(said, file=sys.stderr)
-    print_rows(rows, to, write)
-    if missing := read_not_collected(layout):
-        print(printable(f'Nothing to grade yet from: {names_for_email(missing)}'))
+    print_rows(rows, to, write, chosen.all)
+    missing = sorted(read_not_collected(layout), key=attrgetter('assignment'))
+    for name, works in groupby(missing, attrgetter('assignment')):
+        whose = names_for_email([*works])
+        print(printable(f'Nothing to grade yet for {name or "an unknown lesson"} from: {whose}'))
     return FOR_REVIEW if any(row.done == LEFT for row in rows) else OK

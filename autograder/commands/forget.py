@@ -54,6 +54,7 @@ def run(chosen: argparse.Namespace) -> int:
             for _, remove in there:
                 remove()
     print('Removed. Earlier exports and copies of the gradebook are unchanged.')
+    print('If you collect a download with their work again, they are back.')
     if copy:
         print(f'Copy of the gradebook before the removal: {copy}')
     return OK

@@ -22,15 +22,25 @@ from autograder.authoring.sample_class import write_sample_class
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import extensions, not_listed, read_people
-from autograder.classroom.results_of_class import modes, ran_s, results_of_others
-from autograder.classroom.standing import collected_digests, without_result
-from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
-from autograder.commands.progress import progress, slowest_text
+from autograder.classroom.results_of_class import modes, results_of_others
+from autograder.classroom.standing import (
+    collected_digests,
+    MISSING,
+    TO_GRADE,
+    without_result,
+)
+from autograder.commands import flag, FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
+from autograder.commands.progress import progress, run_s, slowest_text
 from autograder.errors import from_os_error, GraderError, UsageError
+from autograder.exam.inputs import keep_secret, refuse_other_secret
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
-from autograder.gradebook.database import refuse_damaged, to_grade_by_hand
-from autograder.gradebook.live_entry import Guard, LiveEntry
+from autograder.gradebook.database import (
+    notes_for_instructor,
+    refuse_damaged,
+    to_grade_by_hand,
+)
+from autograder.gradebook.live_entry import Guard, LiveEntry, MAX_NAMED
 from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.examine import Engine
 from autograder.grading.pipeline import grade_class, grading_engine, load_lesson
@@ -42,7 +52,6 @@ from autograder.submission.inbox import discover, students_in, without_notebooks
 
 AHEAD = 64
 """Minimum number of runs queued on a cluster, so that workers that join later have work."""
-MAX_NAMED = 5
 PROCESSORS = len(os.sched_getaffinity(0))
 """Number of processors that this process may use."""
 
@@ -79,6 +88,10 @@ def _positive(text: str) -> int:
     FRESH,
     JSON,
     YES,
+    flag(
+        '--allow-review',
+        'exit with code 0 even if some submissions are for review, as make grade does',
+    ),
     option(
         '--allow-weak',
         'accept this weaker isolation if no stronger one works here: '
@@ -108,9 +121,17 @@ def run(chosen: argparse.Namespace) -> int:
         raise _no_submissions(layout, submitted, assignments)
     if chosen.json:
         print(json.dumps([submission_json(result) for result in results]))
+    with suppress(GraderError):  # The trouble below says why the gradebook cannot be read.
+        for line in notes_for_instructor(layout):
+            console.print(printable(line), markup=False, soft_wrap=True)
     if trouble:
         raise GraderError(trouble)
-    return FOR_REVIEW if any(result.review for result in results) else OK
+    reviews = sum(bool(result.review) for result in results)
+    if not reviews or chosen.allow_review:
+        return OK
+    said = 'submission is' if reviews == 1 else 'submissions are'
+    console.print(f'Exit code {FOR_REVIEW}: {reviews} {said} for review.')
+    return FOR_REVIEW
 
 
 def _refuse_ineffective_options(chosen: argparse.Namespace) -> None:
@@ -130,7 +151,7 @@ def _no_submissions(layout: Layout, submitted: Path, assignments: Sequence[str])
     """Return the error for a folder without submissions."""
     known = layout.assignments()
     fix = (
-        f'python -m autograder collect {relative_path(submitted, layout)}, if this is a '
+        f'.venv/bin/autograder collect {relative_path(submitted, layout)}, if this is a '
         'download from Canvas, Moodle or Gradescope'
     )
     for name in without_notebooks(submitted, known):
@@ -176,8 +197,8 @@ def submitted_folder(layout: Layout, chosen: Path | None, console: Console) -> P
     if not layout.submitted.is_dir() or not any(layout.submitted.iterdir()):
         if layout.reports.is_dir():  # Never add sample students to a real class.
             raise UsageError(
-                f'{layout.submitted}: there is nothing to grade. Try: python -m autograder '
-                'collect SOURCE, or python -m autograder sample-class for the example submissions'
+                f'{layout.submitted}: there is nothing to grade. Try: .venv/bin/autograder '
+                'collect SOURCE, or .venv/bin/autograder sample-class for the example submissions'
             )
         count = write_sample_class(layout, layout.submitted)
         console.print(
@@ -190,7 +211,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, console: Console) -> P
 def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
     known = layout.assignments()
     if not known:
-        raise UsageError('notebooks/ contains no assignments. Try: make release')
+        raise UsageError('notebooks/ contains no assignments. Try: autograder release')
     return known if chosen is None else (layout.assignment_named(chosen),)
 
 
@@ -215,12 +236,13 @@ class Grading:
         """
         Refuse to grade if marks would be lost; call this before any run.
 
-        :raises GraderError: if the gradebook is damaged, or a check cell and its exam give
-            different points
+        :raises GraderError: if the gradebook is damaged, the course secret has changed, or a check
+            cell and its exam give different points
         """
         read_people(self.layout)  # Report wrong files here, not after the runs.
         extensions(self.layout)
         if self.engine.hidden:
+            refuse_other_secret(self.layout)
             refuse_damaged(self.layout)
             for assignment in assignments:
                 lesson = load_lesson(self.layout, assignment, self.engine)
@@ -243,6 +265,8 @@ class Grading:
         class_ = discover(self.submitted, assignment, lesson.notebook, layout.assignments())
         if not class_:
             return [], ''
+        if self.engine.hidden:
+            keep_secret(layout)
         # Read the old results before any run: if they are damaged, no run is wasted.
         others: Sequence[SubmissionResult] = ()
         if self.submitted.resolve() != layout.submitted.resolve():
@@ -255,26 +279,30 @@ class Grading:
         with progress(len(class_) * len(lesson.exams), assignment) as show:
             graded = grade_class(class_, lesson, self.engine, self.jobs, show, enter)
         runs_s = time.monotonic() - began
-        new, refused = entry.finish()
+        _, refused = entry.finish()
         results = [
             replace(one.result, collected=collected.get(one.result.student, '')) for one in graded
         ]
         lowered = self.guard.lowered_in(assignment)
+        about_marks = [] if refused or not self.engine.hidden else [entry.counts(graded)]
         parts = [
             about_runs(results, time.monotonic() - began, runs_s),
-            *self._about_marks(lowered, len(results) - new),
+            *about_marks,
+            *self._about_lowered(lowered),
             *self._about_others(results, others),
         ]
-        unwritten = self._report(assignment, results, others, ' '.join(parts))
+        shown = [
+            one
+            for one in results
+            if one.review or one.student in entry.changed or not self.engine.hidden
+        ]
+        unwritten = self._report(assignment, (*results, *others), shown, ' '.join(parts))
         for line in lowered if len(lowered) > MAX_NAMED else ():
             self.console.print(f'  {line}', markup=False)
         return results, ' '.join(dict.fromkeys(filter(None, (refused, unwritten))))
 
-    def _about_marks(self, lowered: Sequence[str], not_entered: int) -> Iterator[str]:
-        """Yield sentences about marks in the gradebook that are unchanged or lowered."""
-        kept = not_entered - (0 if self.guard.yes else len(lowered))
-        if self.engine.hidden and kept:
-            yield f'Already in the gradebook: {kept}.'
+    def _about_lowered(self, lowered: Sequence[str]) -> Iterator[str]:
+        """Yield a sentence about marks that are, or would be, lowered."""
         if lowered:
             said = 'Fewer points than before' if self.guard.yes else 'Not lowered in the gradebook'
             yield f'{said}: {first_of(lowered, MAX_NAMED)}.'
@@ -296,13 +324,13 @@ class Grading:
     def _report(
         self,
         assignment: str,
-        results: Sequence[SubmissionResult],
-        others: Sequence[SubmissionResult],
+        everybody: Sequence[SubmissionResult],
+        shown: Sequence[SubmissionResult],
         summary: str,
     ) -> str:
-        """Write the reports, print the table of new results; return why reports are missing."""
+        """Write the reports, print some of the results; return why reports are missing."""
         layout, console = self.layout, self.console
-        everybody = sorted((*results, *others), key=lambda one: one.student)
+        everybody = sorted(everybody, key=lambda one: one.student)
         missing = without_result(layout, assignment, everybody)
         by_hand = to_grade_by_hand(layout, assignment, everybody)
         unwritten = where = ''
@@ -312,8 +340,17 @@ class Grading:
             )
         except OSError as error:  # Print the table first, then report the error.
             unwritten = str(from_os_error(error, str(layout.reports)))
-        print_table(console, assignment, results, read_people(layout), missing)
-        console.print(summary, markup=False)
+        refused = [one for one in missing if one.status != MISSING]
+        if shown or refused:
+            some = ' (new, changed or for review)' if len(shown) < len(everybody) else ''
+            print_table(console, assignment + some, shown, read_people(layout), refused)
+            console.print(summary, markup=False)
+            absent = [one for one in missing if one.status not in TO_GRADE]
+            if names := [one.person or one.student for one in absent]:
+                said = f'Nothing to grade yet from: {first_of(names, MAX_NAMED)}.'
+                console.print(printable(said), markup=False)
+        else:
+            console.print(f'{assignment}: {summary}', markup=False)
         if where:
             console.print(f'Reports: {where}', soft_wrap=True)
         return unwritten
@@ -323,9 +360,9 @@ def about_runs(results: Sequence[SubmissionResult], total_s: float, runs_s: floa
     """Return a sentence with duration, isolation modes and number of submissions for review."""
     some = f'{len(results)} submission{"s" * (len(results) != 1)}'
     facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
-    slowest = slowest_text({one.student: ran_s(one) for one in results})
-    if len(results) > 1 and slowest:
-        facts.append(slowest)
+    slowest = slowest_text({one.student: sum(map(run_s, one.exams)) for one in results})
+    if len(results) > 1:
+        facts.append(slowest or 'no program had to run')
     if used := modes(results):
         facts.append(f'isolation {", ".join(used)}')
     if reviews := sum(bool(one.review) for one in results):

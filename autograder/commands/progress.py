@@ -21,7 +21,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from autograder.errors import GraderError
 from autograder.explaining.feedback import printable
 from autograder.grading.pipeline import Outcome
-from autograder.results import shortened
+from autograder.results import ExamResult, shortened
 
 Tell = Callable[[str, Outcome], None]
 NAME_CHARS = 30
@@ -58,7 +58,7 @@ def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Tell]:
         with guard:
             counts[kind_of(outcome)] += 1
             if not isinstance(outcome, GraderError):
-                seconds[student] += outcome.ran_s
+                seconds[student] += run_s(outcome)
             said = '; '.join(filter(None, (text_of(counts), slowest_text(seconds))))
             bar.update(task, completed=counts.total(), totals=said)
 
@@ -97,6 +97,11 @@ def _lines(counts: Counter[str], total: int, what: str, line_s: float) -> Iterat
         printer.join()
 
 
+def run_s(result: ExamResult) -> float:
+    """Return the duration of a run in this grading [s]; 0.0 if its recording was stored."""
+    return result.timing.get('run_s', 0.0)
+
+
 def text_of(counts: Mapping[str, int]) -> str:
     """Return the counts as text, such as ``3 full marks, 2 less``."""
     words = ['full marks', 'less', *(['for review'] if counts['for review'] else [])]
@@ -105,9 +110,9 @@ def text_of(counts: Mapping[str, int]) -> str:
 
 def slowest_text(seconds: Mapping[str, float]) -> str:
     """
-    Return the student with the longest run time, as text; empty if no time is known.
+    Return the student with the longest run time, as text; empty if no program ran.
 
-    Students with equal files share a recording and its time.  Of these, the first by name is
+    Students with equal files share a run and its time.  Of these, the first by name is
     returned, regardless of the order of the runs.
     """
     student = max(sorted(seconds), key=lambda name: round(seconds[name], 3), default='')

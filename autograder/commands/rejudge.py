@@ -30,6 +30,7 @@ from autograder.commands import (
     YES,
 )
 from autograder.errors import GraderError
+from autograder.exam.inputs import refuse_other_secret
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook.database import to_grade_by_hand
 from autograder.gradebook.journal import Journal
@@ -38,7 +39,7 @@ from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.examine import judge_again
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
-from autograder.results import CheckResult, ExamResult, SubmissionResult
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 from autograder.runs.version import files_digest
 from autograder.submission.inbox import discover, Submission
 from autograder.submission.submission import with_reasons
@@ -90,13 +91,13 @@ def rejudge_command(
         written even if the gradebook refuses some results
     :param yes: whether marks in the gradebook may be lowered or cleared; if not, and some would
         be, nothing is written
-    :raises GraderError: if the assignment is unknown, nothing has been graded yet or, with
-        ``write``, if check cells and exams give different points
+    :raises GraderError: if the assignment is unknown, nothing has been graded yet, the course
+        secret has changed, or check cells and exams give different points
     """
+    refuse_other_secret(layout)
     there = [(load_lesson(layout, one.assignment), one) for one in graded(layout, assignment)]
-    if write:
-        for lesson, _ in there:
-            refuse_unfit_points(layout, lesson)
+    for lesson, _ in there:
+        refuse_unfit_points(layout, lesson)
     done = [
         (lesson, *rejudge(layout, lesson, last, submitted or layout.submitted))
         for lesson, last in there
@@ -195,22 +196,27 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
         return 'the exam no longer has this check'
     if before is None:
         return 'the check is new'
-    if after.expected or after.observed:
-        return f'expected {after.expected or "more"}; observed {after.observed or "less"}'
     if before.max_points != after.max_points and before.verdict == after.verdict:
         most = f'{number(before.max_points)} -> {number(after.max_points)}'
         return f'the points of the check have changed: {most}'
+    if after.verdict is Verdict.NOT_RUN:
+        return f'it waits for {after.waits_for}'
+    if after.expected or after.observed:
+        parts = {'expected': after.expected, 'observed': after.observed}
+        return '; '.join(f'{word} {text}' for word, text in parts.items() if text)
     return f'previous result: {before.observed or before.expected or before.verdict.value}'
 
 
 def account_text(account: Account) -> str:
-    """Return the changes and a summary as plain text."""
-    rows, lines = account['submissions'], []
+    """Return the students whose points change, the reasons and a summary as plain text."""
+    rows, lines, changed = account['submissions'], [], 0
     for one in rows:
-        if one['changed']:
+        new = abs(one['after'] - one['before']) > 1e-9
+        changed += new
+        if new:
             after = f'{number(one["after"])} of {number(one["max_points"])} points'
             lines.append(f'{one["student"]}: {number(one["before"])} -> {after}')
-        for change in one['changed']:
+        for change in one['changed'] if new else ():
             was, now = change['before'], change['after']
             points = (
                 f'{number(change["points_before"])} -> {number(change["points_after"])} points'
@@ -223,12 +229,12 @@ def account_text(account: Account) -> str:
             lines.append(f'{one["student"]}: {said}')
     lines += [f'lower mark in the gradebook: {mark}' for mark in account['lowered']]
     judged = sum(not one['kept'] for one in rows)
-    changed = sum(bool(one['changed']) for one in rows)
+    advice = 'Nothing was written.' + (' Try: --write' if changed else '')
     each = 1000 * account['seconds'] / max(1, len(rows))
     lines.append(
         f'{account["assignment"]}: {judged} of {len(rows)} submissions judged again in '
         f'{account["seconds"]:.2f} s ({each:.1f} ms each) without a run; {changed} changed. '
-        f'{account["written"] or "Nothing was written. Try: --write"}'
+        f'{account["written"] or advice}'
     )
     return printable('\n'.join(lines))
 

@@ -84,8 +84,19 @@ class Run:
         return found
 
     def during(self, phase: str) -> Run:
-        """Return one phase of the run, with the graphs of all phases to recognise nodes' logs."""
-        part, graphs = self.recording.phase(phase), self.recording.of('graph')
+        """
+        Return one phase of the run, with the graphs of all phases.
+
+        Checks need these graphs to recognise the log lines of the student's nodes.
+        """
+        return self._only(self.recording.phase(phase))
+
+    def parts(self, phase: str) -> list[tuple[Run, float]]:
+        """Return each part of the run in a phase as :meth:`during`, with its duration [s]."""
+        return [(self._only(one), seconds) for one, seconds in self.recording.parts(phase)]
+
+    def _only(self, part: Recording) -> Run:
+        graphs = self.recording.of('graph')
         return replace(self, recording=Recording(part.header, (*graphs, *part.events)))
 
     def again(self) -> Run:
@@ -186,8 +197,8 @@ class Exam:
             other checks, the grader does not run the program
         :param again: whether the check judges the second start, :attr:`Scenario.again`
         :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
-            above 0, a need is not an earlier check, or the check needs a program, or a second
-            start, and the scenario has none
+            above 0, a need is not an earlier check, the check needs a program, or a second start,
+            and the scenario has none, or the exam lacks what a claim needs
         """
 
         def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:
@@ -214,6 +225,9 @@ class Exam:
             )
         if check.again and (check.static or not self.scenario.again):
             raise ExamInvalid(f'{where}: judges a second start, but there is none.')
+        for test in getattr(check.judge, 'tests', ()):
+            for mistake in test(self, self.scenario_of(check)):
+                raise ExamInvalid(f'{where}: {mistake}.')
         for need in check.needs:
             if need not in names:
                 raise ExamInvalid(
@@ -221,6 +235,12 @@ class Exam:
                     f'Earlier checks: {", ".join(names) or "none"}.',
                 )
         self.checks.append(check)
+
+    @property
+    def names(self) -> Names:
+        """Return the topics, types, services and parameters that the scenario uses."""
+        names: Names = self.facts['exam_names']
+        return names
 
     @property
     def max_points(self) -> float:

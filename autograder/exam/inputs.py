@@ -4,7 +4,8 @@ Draw secret, reproducible inputs that are the same for the whole class.
 A random generator is seeded with HMAC-SHA256(course secret, exam name and purpose).  So a
 submission cannot contain the answers, all students get the same inputs, and a run can be repeated
 after an appeal.  The secret is created once and stored next to the gradebook; the environment
-variable ``COURSE_SECRET`` overrides it.
+variable ``COURSE_SECRET`` overrides it.  The first grading of a class stores a fingerprint of the
+secret: with a different secret, all programs would run again, with different inputs.
 """
 
 from collections.abc import Iterator
@@ -14,10 +15,12 @@ from functools import lru_cache
 import hashlib
 import hmac
 import os
+from pathlib import Path
 import random
 import secrets
 
 from autograder.errors import GraderError
+from autograder.files import write_atomically
 from autograder.layout import Layout
 
 WATCH_S = 131
@@ -37,12 +40,15 @@ def course_secret() -> bytes:
     Only the owner can read its file, which is created atomically: if two graders start at the same
     time, both read the secret of the faster one.
 
-    :raises GraderError: if the secret is empty
+    :raises GraderError: if the secret is empty, or missing although the class was graded
     """
+    layout = Layout.here()
     if 'COURSE_SECRET' in os.environ:
-        return _not_empty(os.environ['COURSE_SECRET'].encode(), 'COURSE_SECRET')
-    file = Layout.here().secret
+        return _not_empty(os.environ['COURSE_SECRET'].encode(), 'COURSE_SECRET', layout)
+    file = layout.secret
     if not file.exists():
+        if fingerprint_file(layout).exists():
+            raise _refusal(layout, f'{file}: the course secret of this class is missing.')
         file.parent.mkdir(parents=True, exist_ok=True)
         draft = file.with_name(f'.course_secret.{secrets.token_hex(8)}')
         draft.touch(mode=0o600)
@@ -53,17 +59,52 @@ def course_secret() -> bytes:
             pass
         finally:
             draft.unlink()
-    return _not_empty(file.read_bytes(), str(file))
+    return _not_empty(file.read_bytes(), str(file), layout)
 
 
-def _not_empty(secret: bytes, where: str) -> bytes:
+def _not_empty(secret: bytes, where: str, layout: Layout) -> bytes:
     """Reject an empty secret, with which anyone could compute all hidden inputs."""
     if not secret.strip():
-        raise GraderError(
-            f'{where}: expected the course secret, got an empty string.',
-            'Try: set a value, or remove the empty one; the grader then creates a secret.',
-        )
+        raise _refusal(layout, f'{where}: expected the course secret, got an empty string.')
     return secret
+
+
+def fingerprint_file(layout: Layout) -> Path:
+    """Return the file with the fingerprint of the secret with which a class was graded."""
+    return layout.secret.with_name('secret_fingerprint')
+
+
+def refuse_other_secret(layout: Layout) -> None:
+    """Raise a GraderError if the class was graded with a different course secret."""
+    path = fingerprint_file(layout)
+    if path.is_file() and path.read_bytes().strip() != _fingerprint():
+        where = 'COURSE_SECRET' if 'COURSE_SECRET' in os.environ else layout.secret
+        raise _refusal(layout, f'{where}: this class was graded with a different course secret.')
+
+
+def keep_secret(layout: Layout) -> None:
+    """Store the fingerprint of the course secret for a class; refuse a different secret."""
+    refuse_other_secret(layout)
+    if not fingerprint_file(layout).is_file():
+        write_atomically(fingerprint_file(layout), _fingerprint() + b'\n')
+
+
+def _fingerprint() -> bytes:
+    """Return a digest that identifies the course secret but does not reveal it."""
+    return hmac.new(course_secret(), b'fingerprint', hashlib.sha256).hexdigest().encode()
+
+
+def _refusal(layout: Layout, what: str) -> GraderError:
+    """Return the error for an unusable secret, with advice that keeps the inputs of a class."""
+    path = fingerprint_file(layout)
+    if not path.exists():
+        fix = 'set a value, or remove the empty one; the grader then creates a secret.'
+    else:
+        fix = (
+            f'restore {layout.secret} from a backup, or set COURSE_SECRET to the former value. '
+            f'To grade everybody again with new inputs, remove {path}. No mark was changed.'
+        )
+    return GraderError(what, f'Try: {fix}')
 
 
 def generator(exam: str, purpose: str) -> random.Random:

@@ -62,6 +62,29 @@ def _why_gaps(right: Sequence[bool], verb: str, what: str) -> Cause | None:
     return None
 
 
+def why_left_out(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> Cause | None:
+    """
+    Explain missing answers by their expected values: repetitions, or false values and zeros.
+
+    :param came: the answers, one per input or burst; None for inputs that were not sent
+    """
+    due = asked.answers[: -1 if asked.burst else None]
+    pairs = [
+        (count == 0, one == before, not any(one))
+        for one, before, count in zip(due, [None, *due], map(_count, came))
+        if one and count in (0, len(one))
+    ]
+    if len(pairs) < len([one for one in due if one]):
+        return None
+    left, equal, false = zip(*pairs) if pairs else ((), (), ())
+    names = {equal: 'only_new_answers', false: 'only_true_answers'}
+    return WHY[names[left]] if any(left) and left in names else None
+
+
+def _count(answer: tuple[Any, ...] | None) -> int | None:
+    return None if answer is None else len(answer)
+
+
 def why_burst_cut(asked: Specification, came: tuple[object, ...]) -> Cause | None:
     """Explain messages that arrive at once and are not all answered, from the sorted answers."""
     due = list(asked.due(asked.inputs))[-asked.burst :]

@@ -125,11 +125,18 @@ class Scenario:
             yield f'step {number} ({type(step).__name__}){label}', step
 
     def endpoints(self) -> Iterator[tuple[str, str, str]]:
-        """Yield kind, full topic name and type of each endpoint that the program should have."""
+        """
+        Yield kind, full name and type of each endpoint that the program should have.
+
+        Services with a full name in :class:`~autograder.exam.steps.Call` are among them; the other
+        ones belong to every node.
+        """
         yield from (('publisher', topic, name) for topic, name in self.watch.items())
         yield from (('subscription', topic, one.type) for topic, one in self.feeds.items())
         ends = (step for step in self.steps if isinstance(step, Endpoint))
         yield from ((end.asks, end.topic, end.type) for end in ends)
+        calls = (step for step in self.steps if isinstance(step, Call) and '/' in step.service)
+        yield from (('service', call.name, call.type) for call in calls)
 
     def types(self) -> Iterator[tuple[str, str, str]]:
         """Yield the place, topic (or an empty string) and name of each type the probe loads."""
@@ -168,30 +175,37 @@ class Names:
 
     :param published: topics that the probe records, full name to type
     :param heard: topics on which the probe publishes, full name to type
+    :param services: services of the program that the probe calls, full name to type
     :param parameters: parameters that the scenario passes to the program, sets or reads
     """
 
     published: Mapping[str, str] = field(default_factory=dict)
     heard: Mapping[str, str] = field(default_factory=dict)
+    services: Mapping[str, str] = field(default_factory=dict)
     parameters: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, scenario: Scenario) -> Names:
         """Return the names of a scenario, in order of appearance."""
-        published: dict[str, str] = {}
-        heard: dict[str, str] = {}
+        found: dict[str, dict[str, str]] = {'publisher': {}, 'subscription': {}, 'service': {}}
         for kind, topic, name in (end for one in scenario.starts for end in one.endpoints()):
-            (published if kind == 'publisher' else heard).setdefault(topic, name)
+            found[kind].setdefault(topic, name)
+        published, heard, services = found.values()
         parameters = (name for one in scenario.starts for name in _parameters(one))
-        return cls(published, heard, tuple(dict.fromkeys(parameters)))
+        return cls(published, heard, services, tuple(dict.fromkeys(parameters)))
+
+    def of_kind(self, kind: str) -> Mapping[str, str]:
+        """Return the required publishers, subscriptions or services, full name to type."""
+        by_kind = {'publisher': self.published, 'subscription': self.heard}
+        return by_kind.get(kind, self.services)
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
-        """Return the exam's message classes, joined by spaces, per module that defines them."""
+        """Return the exam's message and service classes, joined by spaces, by their module."""
         found: dict[str, list[str]] = {}
-        for kind in {**self.heard, **self.published}.values():
-            package, _, name = kind.partition('/msg/')
-            found.setdefault(f'{package}.msg', []).append(name)
+        for kind in {**self.heard, **self.published, **self.services}.values():
+            package, part, name = kind.split('/')
+            found.setdefault(f'{package}.{part}', []).append(name)
         return {module: ' '.join(names) for module, names in found.items()}
 
     def fill(self, text: str) -> str:

@@ -122,6 +122,10 @@ Change = Callable[[float], float]
 """Returns the number that a program publishes for one that it should leave unchanged."""
 
 
+NEAR_ZERO = (0.01, 0.05, 0.1)
+"""Sizes below which a program may treat a number as zero."""
+
+
 def changing(*rules: Callable[[Change], Rule], digits: Sequence[int] = (1, 2)) -> tuple[Slip, ...]:
     """
     Return the slips of a program that changes a number that it should publish unchanged.
@@ -142,7 +146,12 @@ def changing(*rules: Callable[[Change], Rule], digits: Sequence[int] = (1, 2)) -
             *(lambda number, cut=cut: float(cut(number)) for cut in (math.floor, *CUTS[:2])),
         ),
         slip('rounded', *(lambda number, to=to: round(number, to) for to in digits)),
+        slip('near_zero_is_zero', *(partial(_without_near_zero, most) for most in NEAR_ZERO)),
     )
+
+
+def _without_near_zero(most: float, number: float) -> float:
+    return number if abs(number) >= most else 0.0
 
 
 def leaving_out(
@@ -193,7 +202,7 @@ Accepts = Callable[[float], bool]
 def range_slips(
     rule: Callable[[Accepts], Rule], lowest: float, highest: float
 ) -> tuple[Slip, ...]:
-    """Return the slips of a range check; both ends of the range are valid."""
+    """Return the slips of a range check; both ends are valid, and the lower one is negative."""
 
     def slip(name: str, *forms: Accepts) -> Slip:
         return WHY.slip(name, *map(rule, forms), lowest=lowest, highest=highest)
@@ -233,6 +242,7 @@ def range_slips(
             lambda value: lowest < value <= highest,
             lambda value: lowest <= value < highest,
         ),
+        slip('refuses_negative', lambda value: max(0.0, lowest) <= value <= highest),
         slip('refuses_all', lambda value: False),
     )
 

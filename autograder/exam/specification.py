@@ -193,12 +193,18 @@ class Specification:
 
     def mistakes(self) -> Iterator[str]:
         """Yield slips that the inputs cannot distinguish from correct answers or other slips."""
-        rules = [('the correct answers', self.answers)]
-        rules += [(slip.cause_id, answers) for slip, answers in self._slipped]
-        for number, (name, answers) in enumerate(rules):
-            for other, others in rules[:number]:
-                if other != name and all(map(self.like, answers, others)):
-                    yield f'no input distinguishes {name} from {other}'
+        named = [('the correct answers', 'the correct answers', self.answers)]
+        for slip in self.slips:
+            for number, rule in enumerate(slip.rules, 1):
+                form = f'{slip.cause_id}, form {number}' if slip.rules[1:] else slip.cause_id
+                try:
+                    named.append((slip.cause_id, form, self.of(rule)))
+                except Exception as error:  # an author's own code
+                    yield f'the slip {form} raises {type(error).__name__}: {error}'
+        for place, (cause_id, form, answers) in enumerate(named):
+            for other_id, other, others in named[:place]:
+                if other_id != cause_id and all(map(self.like, answers, others)):
+                    yield f'no input distinguishes {form} from {other}'
 
 
 def _mixed(due: Any, came: Any) -> bool:

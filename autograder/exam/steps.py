@@ -9,7 +9,7 @@ begins a phase that checks can select; ``Look`` records the graph.
 All seconds are virtual and exact; 60 virtual seconds take about 0.1 s of real time.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
 import math
@@ -166,9 +166,7 @@ class Call(Step):
 
     def to_json(self) -> dict[str, Any]:
         """Return the step in the format that the probe reads, with the service's full name."""
-        step = {**super().to_json(), 'service': self.name}
-        del step['node']
-        return step
+        return {**super().to_json(), 'service': self.name}
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
         """Yield the request."""
@@ -308,6 +306,11 @@ def get_parameters(node: str, names: Sequence[str] = (), patience_s: float = 5.0
     kind = 'rcl_interfaces/srv/GetParameters'
     request = {'names': list(names)} if names else {}
     return Call(node, 'get_parameters', kind, request, patience_s)
+
+
+def read_parameters(node: str, names: Iterable[str]) -> list[Call]:
+    """Return a call for each parameter, because one unknown name leaves all others unread."""
+    return [get_parameters(node, [name]) for name in names]
 
 
 def transition(node: str, name: str) -> Call:

@@ -10,12 +10,11 @@ import json
 from typing import Any
 
 from autograder.explaining.feedback import printable
-from autograder.recording import Event, LEVELS
+from autograder.recording import Event, LEVELS, SECOND
 from autograder.results import shortened
 
 WIDEST = 110
 MOST_DIGITS = 9  # All seventeen digits of a float would leave no room for the rest of the line.
-SECOND = 1_000_000_000
 
 
 def live_line(event: Event) -> str:

@@ -17,9 +17,9 @@ from typing import Any
 from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.causes.redaction import namespace_of
-from autograder.judging.checks import own_logs, SECOND
+from autograder.judging.checks import own_logs
 from autograder.judging.judge import deviation, failure_of
-from autograder.recording import Event, LEVELS
+from autograder.recording import Event, LEVELS, SECOND
 from autograder.results import CheckResult, Verdict
 
 MOST_TIMES = 400
@@ -88,13 +88,13 @@ def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[
 
 def _wanted(scenario: Scenario) -> list[tuple[str, str, str]]:
     """
-    Return the endpoints that a scenario requires: kind, full topic name, type.
+    Return the publishers and subscriptions that a scenario requires: kind, topic, type.
 
     If several topics have the same last part, such as ``/lab/chatter`` and ``/chatter``, the exam
     requires the first; the probe watches the others to detect a mistake.
     """
     found: dict[tuple[str, str], tuple[str, str, str]] = {}
-    for kind, topic, type_name in scenario.endpoints():
+    for kind, topic, type_name in (one for one in scenario.endpoints() if one[0] != 'service'):
         found.setdefault((kind, topic.rpartition('/')[2]), (kind, topic, type_name))
     return list(found.values())
 

@@ -37,7 +37,8 @@ def fill(
     Enter marks in a grading worksheet.
 
     :param where: name of the file in messages
-    :param numbers: participants' numbers by student id, if ``collect`` has seen them
+    :param numbers: participants' numbers by student id, if ``collect`` has seen them; if a
+        student has several, from several activities, they are separated by spaces
     :param column: header of the grade column, in the language of the worksheet
     :param scale: whether to convert the points if Moodle has a different maximum
     :raises GraderError: if the data is not a grading worksheet, the column is missing, or the
@@ -68,11 +69,11 @@ def _lines(
         for cell in cells[1:index]:
             add_names(by_id, cell, row)
     # A number belongs to one person; two people may share a name.
-    return by_id | {
-        mark.student: by_number.get(numbers[mark.student], set())
-        for mark in marks
-        if mark.student in numbers
-    }
+    for mark in marks:
+        if mark.student in numbers:
+            found = (by_number.get(one, set()) for one in numbers[mark.student].split())
+            by_id[mark.student] = set().union(*found)
+    return by_id
 
 
 def _read(data: bytes, where: str) -> Table:

@@ -8,6 +8,7 @@ a gradebook that has lost its content is refused.  A gradebook on a server is no
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
+from difflib import get_close_matches
 import os
 from pathlib import Path
 import shlex
@@ -25,6 +26,7 @@ from autograder.classroom.results_of_class import has_mark
 from autograder.errors import GraderError
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
+from autograder.submission.notebook import CHECK_PREFIX
 
 MAX_RECENT = 10
 MAX_DAYS = 10
@@ -39,6 +41,22 @@ FILE_ADVICE = {
     **dict.fromkeys(INCOMPLETE, 'put a complete copy of the file in its place'),
 }
 """Advice for a gradebook file that fails, by a part of SQLite's error message."""
+WRITTEN = """
+select count(*) from grade join base_cell on base_cell.id = grade.cell_id
+where grade.needs_manual_grade and base_cell.name not like :check
+"""
+"""Count the written answers without a mark; a check cell without one is *for review*."""
+WITHOUT_WORK = """
+select name from assignment where not exists (
+    select 1 from submitted_assignment where submitted_assignment.assignment_id = assignment.id)
+order by name
+"""
+
+
+def settings_files(layout: Layout) -> list[Path]:
+    """Return the existing settings: the course's, and those of this class, which git ignores."""
+    there = (folder / 'nbgrader_config.py' for folder in (layout.root, layout.work))
+    return [path for path in there if path.is_file()]
 
 
 def load_config(layout: Layout) -> Config:
@@ -50,7 +68,8 @@ def load_config(layout: Layout) -> Config:
         return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
     except Exception as error:  # noqa: BLE001 - The file is Python code that instructors edit.
         raise GraderError(
-            f'{path}: nbgrader cannot read these settings: {type(error).__name__}: {error}.',
+            f'{" or ".join(map(str, settings_files(layout)))}: nbgrader cannot read these '
+            f'settings: {type(error).__name__}: {error}.',
             'Try: fix the file, then run the same command again. Finished runs are kept.',
         ) from error
 
@@ -166,6 +185,26 @@ def to_grade_by_hand(
         rows = query(layout, text(WAITING), assignment=assignment)
     waiting = {str(student) for (student,) in rows}
     return [one.student for one in results if has_mark(one) and one.student in waiting]
+
+
+def notes_for_instructor(layout: Layout) -> list[str]:
+    """Return sentences about answers that wait for a mark, and about unknown assignments."""
+    notes = []
+    rows = query(layout, text(WRITTEN), check=f'{CHECK_PREFIX}%')
+    if written := sum(count for (count,) in rows):
+        notes.append(
+            f'Written answers to mark: {written}. Try: make lab, Nbgrader > Formgrader > Manual '
+            'Grading'
+        )
+    for (name,) in query(layout, text(WITHOUT_WORK), 'assignment'):
+        if name not in (known := layout.assignments()):
+            close = get_close_matches(name, known, n=1)
+            meant = f'; did you mean {close[0]}?' if close else '.'
+            notes.append(
+                f'gradebook: {name} is not an assignment of this course{meant} Try: '
+                f'.venv/bin/nbgrader db assignment remove {shlex.quote(name)}'
+            )
+    return notes
 
 
 # -- copies ---------------------------------------------------------------------------------

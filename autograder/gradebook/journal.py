@@ -21,7 +21,14 @@ from sqlalchemy import inspect, text
 from autograder.classroom.people import extensions
 from autograder.classroom.tables import read_json
 from autograder.files import json_bytes, write_atomically
-from autograder.gradebook.database import connected, gradebook_file, load_config, query, refusal
+from autograder.gradebook.database import (
+    connected,
+    gradebook_file,
+    load_config,
+    query,
+    refusal,
+    settings_files,
+)
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.inbox import STAMP
@@ -114,7 +121,7 @@ class Journal:
     @cached_property
     def _common_digest(self) -> str:
         """Return a digest of the release and the settings, on which all entries depend."""
-        settings = (self.layout.root / 'nbgrader_config.py').read_bytes()
+        settings = b''.join(path.read_bytes() for path in settings_files(self.layout))
         release = json.dumps(self.lesson.release, sort_keys=True)
         return hashlib.sha256(settings + b'\0' + release.encode('utf-8', 'replace')).hexdigest()
 

@@ -26,6 +26,7 @@ from autograder.gradebook.journal import Journal
 from autograder.gradebook.record import enter_assignment, record, timestamp_of
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
+from autograder.results import first_of
 from autograder.submission.notebook import is_check, marks_of
 
 if TYPE_CHECKING:
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 BATCH_SIZE = 10
 """Number of submissions entered together; the fixed cost is then a tenth of the entry time."""
+MAX_NAMED = 5
+"""Maximum number of students that a sentence names."""
 
 
 def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> dict[str, str]:
@@ -138,16 +141,17 @@ class Guard:
 
     def refusal(self, done: str) -> str:
         """Return why marks were not changed, and what was done; empty if no mark was protected."""
-        counts = {name: len(marks) for name, marks in self.lowered.items() if marks}
-        if self.yes or not counts:
+        marks = {name: self.lowered_in(name) for name, lowered in self.lowered.items() if lowered}
+        if self.yes or not marks:
             return ''
         where = ', '.join(
-            f'{count} mark{"s" * (count != 1)} of {name}' for name, count in counts.items()
+            f'{len(lines)} mark{"s" * (len(lines) != 1)} of {name} ({first_of(lines, MAX_NAMED)})'
+            for name, lines in marks.items()
         )
         return (
-            f'gradebook: {where} would be lowered or cleared, so they were not changed; '
-            f'{done}. Try: look at the list, then run the same command with --yes (make grade '
-            f'ARGS=--yes). {dump_instructions(self.layout)}'
+            f'gradebook: {where} would be lowered or cleared, so they were not changed; {done}. '
+            'Try: run the same command with --yes to accept this. '
+            f'{dump_instructions(self.layout)}'
         ).rstrip()
 
 
@@ -159,7 +163,8 @@ class LiveEntry:
         self.journal = Journal(layout, lesson)
         self.begin = cache(lambda: begin_to_enter(layout, lesson.assignment, guard))
         self.waiting: list[Graded] = []
-        self.new, self.works = 0, True
+        self.entered: list[str] = []
+        self.works = True
 
     def add(self, graded: Graded) -> None:
         """Queue a submission unless it is in the gradebook; enter the queue when it is full."""
@@ -182,10 +187,25 @@ class LiveEntry:
             self.waiting = self.journal.new(self.waiting)
             self._enter()
         except GraderError as error:
-            return self.new + len(self.waiting), str(error)
+            return len(self.entered) + len(self.waiting), str(error)
         except OSError as error:
-            return self.new + len(self.waiting), str(from_os_error(error, str(self.layout.work)))
-        return self.new, ''
+            why = str(from_os_error(error, str(self.layout.work)))
+            return len(self.entered) + len(self.waiting), why
+        return len(self.entered), ''
+
+    @property
+    def changed(self) -> set[str]:
+        """Return the students whose results were not in the gradebook before."""
+        protected = self.guard.lowered.get(self.lesson.assignment, {})
+        return {*self.entered, *protected, *(one.result.student for one in self.waiting)}
+
+    def counts(self, graded: Sequence[Graded]) -> str:
+        """Return how many of the results were entered, and how many were in the gradebook."""
+        changed = self.changed
+        unchanged = sum(
+            one.submission.recordable and one.result.student not in changed for one in graded
+        )
+        return f'Gradebook: {len(self.entered)} entered, {unchanged} unchanged.'
 
     def _enter(self) -> None:
         """Enter the queued submissions, except those that the guard does not allow."""
@@ -194,7 +214,7 @@ class LiveEntry:
             self.begin()
             record(self.layout, self.lesson, new)
             self.journal.note(new)
-        self.new += len(new)
+        self.entered += [one.result.student for one in new if one.submission.recordable]
         self.waiting = []
 
 

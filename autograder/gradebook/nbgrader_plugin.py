@@ -23,6 +23,7 @@ from traitlets.config import Config
 from traitlets.utils.importstring import import_item
 
 from autograder.classroom.people import extensions, read_people
+from autograder.exam.inputs import keep_secret
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.gradebook.grade_cells import from_node, to_node, write_outcomes
@@ -209,14 +210,15 @@ class GradeOutside(NbGraderPreprocessor):
             self._engine = import_item(self.engine_factory)(layout)
         lesson: Lesson = load_lesson(layout, resources['nbgrader']['assignment'], self._engine)
         refuse_unfit_points(layout, lesson)
+        keep_secret(layout)
         student, opened = resources['nbgrader']['student'], from_node(nb)
         result = grade_opened(opened, student, lesson, self._engine)
         submission = Submission(student, layout.submitted / student / lesson.assignment)
         for change in lowered_marks(layout, lesson, [Graded(submission, opened, result)]).values():
             resources['nbgrader']['keep_scores'] = True
             self.log.warning(
-                'gradebook: the mark would be lowered, so it was not changed: %s. Try: make grade '
-                'ARGS=--yes',
+                'gradebook: the mark would be lowered, so it was not changed: %s. Try: '
+                '.venv/bin/autograder grade --yes',
                 change,
             )
         return result

@@ -20,9 +20,8 @@ from autograder.judging.causes.ended import (
 )
 from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.causes.text_table import cause_of
-from autograder.recording import Event, LEVELS
+from autograder.recording import Event, LEVELS, SECOND
 
-SECOND = 1_000_000_000
 NO_RESULT = 'Callback returned an invalid type'
 """The reason with which rclpy refuses a change whose callback returns no result."""
 
@@ -63,7 +62,11 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
 
 
 def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Event]:
-    """Return the endpoints on a topic with a given type; fail if there are none."""
+    """
+    Return the endpoints on a topic with a given type; fail if there are none.
+
+    :param kind: ``'publisher'``, ``'subscription'`` or ``'service'``; services have no QoS profile
+    """
     ends = [end for end in run.recording.endpoints(kind, topic) if end['type'] == type_name]
     if not ends:
         raise Failed(
@@ -309,7 +312,7 @@ def require_answers(
             raise Failed(
                 expected=f'an answer to {what}',
                 observed=f'no answer to call {number + 1}',
-                why=why_silent(run) or _why_no_service(run, service, answer),
+                why=why_silent(run) or why_no_service(run, service, answer),
             )
         got = {name: field_of(answer, name) for name in fields}
         if got != dict(fields):
@@ -330,11 +333,19 @@ def _why_no_result(answer: Event) -> Cause | None:
     return cause_of('returns_no_result') if NO_RESULT in reasons else None
 
 
-def _why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
+def why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
+    """
+    Explain why a call has no response.
+
+    :param service: full name
+    :param answer: the event ``no_answer``
+    """
     if answer.get('reason') == 'too_late':
         return cause_of('no_response')
     if answer.get('reason') != 'no_service' or ended_after_refusal(run):
         return None
+    if kind := run.names.services.get(service):
+        return why_no_endpoint(run, 'service', service, kind)
     return cause_of('no_service', service=service)
 
 

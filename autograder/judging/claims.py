@@ -14,12 +14,17 @@ answers and the slips.  The recorded answers to each input, or to a burst, are a
 :mod:`autograder.judging.rows`.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from itertools import zip_longest
 from typing import Any
 
-from autograder.exam.exam import Run
+from autograder.exam.exam import Cause, Failed, Run
+from autograder.exam.needs import asked_for, called, fed, marked, stepped, Test, watched
+from autograder.exam.steps import PARAMETER_TYPES, read_parameters, Value
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import (
+    counted,
     field_of,
     own_logs,
     require_answers,
@@ -29,12 +34,14 @@ from autograder.judging.checks import (
     require_partner,
     require_qos,
     require_reached,
+    why_no_service,
 )
 from autograder.judging.log_rows import require_warnings
 from autograder.judging.rhythm import require_period
 from autograder.judging.rows import (
     published,
     require_all_sent,
+    require_complete,
     require_one_for_one,
     require_values,
     rows,
@@ -44,10 +51,20 @@ Judge = Callable[[Run], None]
 NONE: dict[str, Any] = {}
 
 
-def claim(name: str, sentence: str, judge: Judge) -> Judge:
-    """Return a function as a check with a name and a sentence that learners read."""
+def claim(name: str, sentence: str, judge: Judge, *tests: Test) -> Judge:
+    """
+    Return a function as a check with a name and a sentence.
+
+    :param name: name of the check
+    :param sentence: the sentence that learners read
+    :param tests: what the exam must have, tested when the check is added to it
+    """
     judge.__name__, judge.__doc__ = name, sentence
+    vars(judge)['tests'] = tests
     return judge
+
+
+# -- nodes and endpoints ----------------------------------------------------------------------
 
 
 def node(
@@ -70,7 +87,8 @@ def hears(topic: str, kind: str, check: str = '', sentence: str = '') -> Judge:
     base = topic.rpartition('/')[2]
     what = f'{kind.rpartition("/")[2]} messages on {base}'
     sentence = sentence or f'It subscribes to {what} and receives them.'
-    return claim(check or f'hears_{base}', sentence, lambda run: require_reached(run, topic, kind))
+    name = check or f'hears_{base}'
+    return claim(name, sentence, lambda run: require_reached(run, topic, kind), fed(topic))
 
 
 def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: Any) -> Judge:
@@ -88,6 +106,22 @@ def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: An
         require_partner(ends)
 
     return claim(check or f'offers_{base}', sentence, judge)
+
+
+def serves(service: str, kind: str, check: str = '', sentence: str = '') -> Judge:
+    """
+    Return the check for a service.
+
+    :param service: full name of a service that the scenario calls
+    :param kind: its type, such as ``std_srvs/srv/SetBool``
+    """
+    base = service.rpartition('/')[2]
+    sentence = sentence or f'It offers the service {base} of type {kind.rpartition("/")[2]}.'
+
+    def judge(run: Run) -> None:
+        require_endpoint(run, 'service', service, kind)
+
+    return claim(check or f'serves_{base}', sentence, judge, called(service))
 
 
 def requests(topic: str, kind: str, check: str, sentence: str, **qos: Any) -> Judge:
@@ -112,7 +146,53 @@ def passes(
         require_reached(run, *source)
         require_partner(require_endpoint(run, 'publisher', *target))
 
-    return claim(check, sentence or f'It subscribes to {hear} and publishes on {say}.', judge)
+    sentence = sentence or f'It subscribes to {hear} and publishes on {say}.'
+    return claim(check, sentence, judge, fed(source[0]), watched(target[0]))
+
+
+def declares(
+    name: str, values: Mapping[str, Value], check: str = 'declares', sentence: str = ''
+) -> Judge:
+    """
+    Return the check for the parameters of a node, at the time when the scenario reads them.
+
+    :param name: full name of the node
+    :param values: expected values by parameter; the scenario has the steps
+        ``read_parameters(name, values)``
+    """
+    steps = read_parameters(name, values)
+    shown = ', '.join(f'{one} {value!r}' for one, value in values.items())
+
+    def judge(run: Run) -> None:
+        for step, due in zip(steps, values.values()):
+            (one,), calls = step.request['names'], run.recording.answers(step.name)
+            answer = next((call for call in calls if call.get('request') == step.request), {})
+            if 'data' not in answer:
+                raise Failed(
+                    expected=f'an answer to the request for {one}',
+                    observed='no answer',
+                    why=why_silent(run) or why_no_service(run, step.name, answer),
+                )
+            seen = _parameter(answer)
+            if (type(seen), seen) != (type(due), due):
+                there = 'not declared' if seen is None else repr(seen)
+                situation = 'not_declared' if seen is None else 'other_default'
+                words = {'name': one, 'due': repr(due), 'seen': there, 'about': [one]}
+                why = cause_of(situation, **words)
+                raise Failed(expected=f'{one} {due!r}', observed=f'{one} {there}', why=why)
+
+    return claim(check, sentence or f'Its parameters are {shown}.', judge, stepped(steps))
+
+
+def _parameter(answer: Mapping[str, Any]) -> Value | None:
+    """Return the only parameter in an answer of ``get_parameters``, None if it is not declared."""
+    words = dict(PARAMETER_TYPES.values())
+    word = words.get(field_of(answer, 'values.0.type'))
+    found: Value | None = field_of(answer, f'values.0.{word}_value') if word else None
+    return found
+
+
+# -- answers to inputs ------------------------------------------------------------------------
 
 
 def one_for_one(
@@ -133,7 +213,7 @@ def one_for_one(
     def judge(run: Run) -> None:
         require_one_for_one(run, ask, topic, published(run, ask, topic), places)
 
-    return claim(check, sentence, judge)
+    return claim(check, sentence, judge, asked_for(ask, tuple), watched(topic))
 
 
 def publishes(
@@ -162,22 +242,67 @@ def publishes(
         require_values(run, asked, found, places, what, fields)
         require_all_sent(run, found if places is None else [found[one] for one in places])
 
-    return claim(check or f'publishes_{base}', sentence, judge)
+    return claim(
+        check or f'publishes_{base}', sentence, judge, asked_for(ask, tuple), watched(topic)
+    )
 
 
 def beats(
     topic: str,
     period_s: float,
-    during_s: float,
+    phase: str,
     check: str = 'keeps_its_rhythm',
     sentence: str = '',
 ) -> Judge:
-    """Return the check that messages arrive once per period, on any clock, until the run ends."""
+    """
+    Return the check that messages arrive once per period, on any clock, during a phase.
+
+    :param topic: full name of a topic that the probe records
+    :param phase: name of one or more :class:`autograder.exam.steps.Mark`; each part of the run
+        that begins with it is judged alone
+    """
 
     def judge(run: Run) -> None:
-        require_period(run, require_messages(run, topic=topic), period_s, during_s)
+        require_endpoint(run, 'publisher', topic, run.names.published[topic])
+        for part, during_s in run.parts(phase):
+            found = part.recording.messages(topic)
+            require_period(part, found, period_s, during_s)
+        require_complete(run)
 
-    return claim(check, sentence or f'It publishes once every {period_s:g} s.', judge)
+    sentence = sentence or f'It publishes once every {period_s:g} s.'
+    return claim(check, sentence, judge, watched(topic), marked(phase))
+
+
+def quiet(
+    topic: str,
+    phase: str,
+    check: str = 'is_quiet',
+    sentence: str = '',
+    why: Cause | None = None,
+) -> Judge:
+    """
+    Return the check that no message arrives during a phase, in a run with messages elsewhere.
+
+    :param topic: full name of a topic that the probe records
+    :param phase: see :func:`beats`
+    :param why: the likely cause of messages in this phase
+    """
+    base = topic.rpartition('/')[2]
+
+    def judge(run: Run) -> None:
+        require_messages(run, topic=topic)
+        found = run.recording.phase(phase).messages(topic)
+        if found:
+            raise Failed(
+                expected=f'no messages on {base} in this phase',
+                observed=counted(len(found), 'message'),
+                why=why,
+                at=found[0]['clock_ns'],
+            )
+        require_complete(run)
+
+    sentence = sentence or f'It publishes nothing on {base} in the phase {phase}.'
+    return claim(check, sentence, judge, watched(topic), marked(phase))
 
 
 def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Judge:
@@ -193,7 +318,7 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
         asked, found = run.asked(ask), rows(run, ask, own_logs(run, logger))
         require_warnings(run, asked, found, range(len(found)))
 
-    return claim(check, sentence, judge)
+    return claim(check, sentence, judge, asked_for(ask, int))
 
 
 def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judge:
@@ -222,4 +347,6 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
             inputs=asked.inputs,
         )
 
-    return claim(check or f'answers_{base}', sentence, judge)
+    return claim(
+        check or f'answers_{base}', sentence, judge, asked_for(ask, dict), called(service)
+    )

@@ -15,10 +15,10 @@ from autograder.exam.specification import Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
 from autograder.judging.causes.text_table import acts_by_cause, cause_of
-from autograder.judging.checks import lines, own_logs, SECOND
+from autograder.judging.checks import lines, own_logs
 from autograder.judging.numbers import numbers_in
 from autograder.judging.rows import LATE_S, Row, rows, without_last
-from autograder.recording import INFO, WARN
+from autograder.recording import INFO, SECOND, WARN
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.steps import SETTLE_S
 from autograder.judging.causes.ended import why_it_ended, why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
-from autograder.judging.checks import SECOND
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 from autograder.submission.code.acts import place_of
 from autograder.submission.code.source_code import Code
 
@@ -70,8 +69,10 @@ def require_period(
     if ended and seconds:
         # Another thread may publish once more while an exception ends the program.
         observed = f'{what}s only until the program ended'
+    only_count = bool(seconds) and not (odd or late or ended)
+    in_all = f' ({during_s / period_s:.0f} {what}s)' if only_count else ''
     raise Failed(
-        expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
+        expected=f'one {what} every {period_s:g} s for {during_s:g} s{in_all}{when}',
         observed=observed + (f', the first after {waited_s:.2g} s' if late else ''),
         why=ended or explain() or rhythm or why_silent(run),
         at=_first_difference_ns(seconds, period_s, waited_s if late else 0.0),
@@ -317,6 +318,11 @@ def why_other_rhythm(
         same = len(steps) > 1 and len(set(steps)) == 1 and steps[0] > 1 and _is(period_s, *between)
         often = f', once in {steps[0]:g} periods' if same else ''
         return cause_of('several_at_once', what=what, often=often, period_s=period_s)
+    # Fewer than three messages show no period, but a longer one in the code may explain them.
+    ticks = Code(run.files).numbers('create_timer') if len(gaps) < 2 else []
+    for tick_s in (one for one in ticks if one > period_s and (not gaps or _is(gaps[0], one))):
+        if during_s // tick_s <= len(found) <= during_s // tick_s + 1:
+            return _why_wrong_rate(run, tick_s, period_s, what)
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:

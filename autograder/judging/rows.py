@@ -13,18 +13,13 @@ from typing import Any
 
 from autograder.exam import slips
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.exam.patterns import why_burst_cut, why_pattern
+from autograder.exam.patterns import why_burst_cut, why_left_out, why_pattern
 from autograder.exam.specification import sorted_answers, Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.text_table import cause_of
-from autograder.judging.checks import (
-    counted,
-    field_of,
-    require_endpoint,
-    SECOND,
-)
+from autograder.judging.checks import counted, field_of, require_endpoint
 from autograder.judging.rhythm import seconds_between
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 
 Row = list[Event]
 LATE_S = 0.015  # a message that a callback publishes at once arrives earlier [s]
@@ -181,6 +176,8 @@ def why_other_answer(
     if slip := asked.cause(came, place, part or ()):
         return slip
     counts = [one if one is None else len(one) for one in came]
+    if left_out := why_left_out(asked, came):
+        return left_out
     if pattern := why_pattern(list(map(len, asked.answers)), counts):
         return pattern
     more = len(came[place] or ()) - len(asked.answers[place])
@@ -243,9 +240,18 @@ def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'somethin
 
 def require_all_sent(run: Run, found: Sequence[object]) -> None:
     """Fail if a run ended before all inputs were sent."""
-    if found and found[-1] is None:
+    _require_alive(run, not found or found[-1] is not None, 'input')
+
+
+def require_complete(run: Run) -> None:
+    """Fail if a run ended before all steps were executed."""
+    _require_alive(run, run.recording.end_reason == 'complete', 'moment of the exam')
+
+
+def _require_alive(run: Run, alive: bool, until: str) -> None:
+    if not alive:
         raise Failed(
-            expected='a node that runs until the last input',
+            expected=f'a node that runs until the last {until}',
             observed='a node that ended earlier',
             why=why_silent(run),
         )

@@ -13,8 +13,8 @@ from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.scenario import RosClock
 from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
-from autograder.judging.checks import field_of, SECOND
-from autograder.recording import Event
+from autograder.judging.checks import field_of
+from autograder.recording import Event, SECOND
 from autograder.submission.code.source_code import Code
 
 SYSTEM_TIME_S = 1e9

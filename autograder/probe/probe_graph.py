@@ -6,6 +6,7 @@ node.  The probe recognises its own endpoints by its participant id, which it re
 node can take its name.
 """
 
+from collections.abc import Iterator
 import re
 from typing import Any
 
@@ -14,6 +15,8 @@ from rclpy.node import Node, NodeNameNonExistentError
 
 # Ignore subscriptions on these topics, which ROS itself creates for nodes.
 HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
+# Ignore services of these packages, for the same reason.
+HIDDEN_SERVICES = ('rcl_interfaces/', 'type_description_interfaces/', 'lifecycle_msgs/')
 MOST_NODES, MOST_ENDPOINTS = 200, 500  # limits of the lists; ``count`` includes every endpoint
 LONGEST_NAME = 256
 PROCESS_BYTES = 8  # the start of an endpoint's id in Fast DDS: vendor, machine and process
@@ -70,7 +73,8 @@ class Graph:
 
     def facts(self) -> dict[str, Any]:
         """Return all nodes, and all endpoints of other participants, with type and QoS."""
-        endpoints = []
+        names = self.names()
+        endpoints = [one for name in names for one in self._services(name)]
         for topic, _ in self.node.get_topic_names_and_types():
             found = self.node.get_publishers_info_by_topic(topic)
             endpoints += self._described(topic, 'publisher', found)
@@ -79,13 +83,27 @@ class Graph:
                 endpoints += self._described(topic, 'subscription', found)
         endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
         for end in endpoints:  # replace process ids, which vary between runs, with stable numbers
-            end['process'] = self.processes.setdefault(end['process'], len(self.processes))
-        names = self.names()
+            if 'process' in end:
+                end['process'] = self.processes.setdefault(end['process'], len(self.processes))
         return {
             'nodes': names[:MOST_NODES],
             'endpoints': endpoints[:MOST_ENDPOINTS],
             'count': len(endpoints),
         }
+
+    def _services(self, name: str) -> Iterator[dict[str, Any]]:
+        """Yield the services of a node, without those that each node has."""
+        if not NODE_NAME.fullmatch(name):
+            return
+        namespace, _, base = name.rpartition('/')
+        try:
+            found = self.node.get_service_names_and_types_by_node(base, namespace or '/')
+        except NodeNameNonExistentError:
+            return
+        for service, types in found:
+            for kind in (one for one in types if not one.startswith(HIDDEN_SERVICES)):
+                where = {'topic': service[:LONGEST_NAME], 'kind': 'service', 'node': name}
+                yield {**where, 'type': kind[:LONGEST_NAME]}
 
     def _described(self, topic: str, kind: str, found: Any) -> list[dict[str, Any]]:
         return [

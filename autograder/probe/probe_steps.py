@@ -73,12 +73,14 @@ def _client_of_only_node(probe: Any, step: dict[str, Any]) -> Any:
     """
     Return a client for the same service of the program's only node, or None.
 
-    A wrong node name then fails only the check of the name, not all checks of the service.
+    A wrong node name then fails only the check of the name, not all checks of the service.  The
+    name of a service that does not begin with the node's is the program's own choice.
     """
     names, service = probe.seen.askable(), step['service']
-    if len(names) != 1:
+    base = service.rpartition('/')[2]
+    if len(names) != 1 or service != f'{step["node"]}/{base}':
         return None
-    other = f'{names[0]}/{service.rpartition("/")[2]}'
+    other = f'{names[0]}/{base}'
     client = probe.node.create_client(load_type(step['type']), other)
     if other == service or not probe.wait_until(client.service_is_ready, CONNECT_S):
         probe.node.destroy_client(client)

@@ -9,6 +9,7 @@ limits the size of each file and of all files together.  Generated files are not
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
+import io
 import os
 from pathlib import Path
 import stat
@@ -182,6 +183,11 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     try:
         if not stat.S_ISREG(kind):
             raise zipfile.BadZipFile('something else')
+        if source.suffix.lower() != '.zip' and not zipfile.is_zipfile(source):
+            raise UnusableUploadError(
+                f'{source}: expected a folder or a zip file, got a different file.',
+                'Try: give the zip file that you downloaded, or the folder with this file',
+            )
         with zipfile.ZipFile(source) as archive:
             yield _tree(source.stem, _in_zip(archive, meter), meter)
     except _DAMAGED as error:
@@ -189,6 +195,43 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
             f'{source}: the zip file cannot be read: {error}.',
             'Try: download the zip file again, pack it again, or pass the unpacked folder',
         ) from error
+
+
+def files_in_zip(file: File, bounds: Bounds) -> list[File]:
+    """
+    Return the files in a zip file that is itself a file of a source.
+
+    Neither the zip nor a file in it stays in memory: each read opens the zip again.  Reading a
+    refused file raises the reason.
+
+    :raises UnreadableError: if the file is not a zip file, is damaged or contains too many files
+    """
+    with _opened_again(file, bounds) as tree:
+        parts = [one.parts for one in tree.files]
+        found = [
+            File((*file.parts, *one), partial(_read_again, file, one, bounds)) for one in parts
+        ]
+        return found + [
+            File((*file.parts, where), partial(refuse, why)) for where, why in tree.refused
+        ]
+
+
+@contextmanager
+def _opened_again(file: File, bounds: Bounds) -> Iterator[Tree]:
+    """Yield the content of a zip file that is itself a file of a source."""
+    meter = _Meter(file.path, bounds)
+    try:
+        with zipfile.ZipFile(io.BytesIO(file.read())) as archive:
+            yield _tree(file.name, _in_zip(archive, meter), meter)
+    except _DAMAGED as error:
+        raise UnreadableError(f'a damaged zip file ({error}); {SUBMIT_AGAIN}') from error
+    except UnusableUploadError as error:
+        raise UnreadableError(f'a zip file with too many files; {SUBMIT_AGAIN}') from error
+
+
+def _read_again(file: File, parts: Parts, bounds: Bounds) -> bytes:
+    with _opened_again(file, bounds) as tree:
+        return next(one.read() for one in tree.files if one.parts == parts)
 
 
 class _Meter:
@@ -210,9 +253,13 @@ class _Meter:
         return data
 
 
-def _is_folder() -> bytes:
-    """Raise an error, because a folder has no content."""
-    raise UnreadableError('a folder')
+def refuse(why: str) -> bytes:
+    """Raise an error, in place of reading a file that is refused."""
+    raise UnreadableError(why)
+
+
+_is_folder = partial(refuse, 'a folder')
+"""Reads a folder, which has no content."""
 
 
 def _tree(name: str, names: Iterable[File], meter: _Meter) -> Tree:

@@ -22,7 +22,7 @@ def _between(low: float, high: float) -> float:
 _limits: list[float | int] = [
     *(*NO_NUMBERS, *JUST_OUTSIDE, 0.0, LOWEST_C, HIGHEST_C, LOWEST_C - _between(0.01, 0.4)),
     *(HIGHEST_C + _between(0.01, 0.4), _between(200.0, 900.0), _between(-900.0, -200.0)),
-    *(_between(-30.0, 20.0), _between(32.0, 110.0), _draw.randint(31, 99)),
+    *(_between(-39.0, -1.0), _between(32.0, 110.0), _draw.randint(31, 99)),
 ]
 _changes: list[Change] = [(LIMIT, one) for one in _limits]
 exam = build(

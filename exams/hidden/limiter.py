@@ -26,7 +26,7 @@ exam = build(
     [*_before, _before[-1], _before[0]],
     _most,
     [
-        *_mixed(_between(0.32, 0.48), _between(-0.48, -0.32), _between(0.01, 0.09), -_most),
+        *_mixed(_between(0.32, 0.48), _between(-0.48, -0.32), _between(0.001, 0.009), -_most),
         *_mixed(_between(0.6, 2.0), _between(-2.0, -0.6), _between(-0.09, -0.01)),
         *(_between(-2.0, 2.0) for _ in range(BURST - 3)),
     ],

@@ -46,7 +46,7 @@ exam = build(
         # Infinity follows: after it, a node that warns only about each new maximum never warns.
         'active': (*_edges, math.inf, _again, _again, _high(), _between()),
         'paused': (9.75, 20.5),
-        'still': (_high(), _between()),
+        'still': (_high(), _between(), round(_draw.uniform(0.02, 0.09), 3)),
         'again': (_between(), *(_high() for _ in range(1 + BURST))),
     },
 )

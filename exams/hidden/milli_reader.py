@@ -28,6 +28,7 @@ exam = build(
         _same[0],
         _same[0],
         0,
+        _draw.randrange(1, 10),
         -_draw.randrange(101, 999),  # the whole part, 0, has no sign
         -abs(_number(682)),
         *map(_number, (7, 138)),
@@ -38,7 +39,7 @@ exam = build(
     [
         *(_name(), _same[1], _same[1]),
         *(f' Fahrenheit {_name()} ', _name(), _name(), _name()),
-        *('', _same[1]),
+        *(_name(), '', _same[1]),
         *(_name() for _ in range(BURST)),
     ],
     burst=BURST,

@@ -13,10 +13,10 @@ def _numbers(count: int) -> list[float]:
     return [round(_draw.uniform(-900.0, 900.0), 3) for _ in range(count)]
 
 
-# The first number is sent twice, so the mean stays the same; then the mean is exactly zero, and
-# then above zero.
+# The first number is sent twice, so the mean stays the same; then the mean is exactly zero, then
+# near zero, and then above zero.
 _low = -round(_draw.uniform(1.0, 290.0), 3)
-_first = [_low, _low, -2 * _low, round(_draw.uniform(600.0, 900.0), 3)]
+_first = [_low, _low, -2 * _low, 0.016, round(_draw.uniform(600.0, 900.0), 3)]
 MANY = 104
 exam = build(
     [

@@ -11,7 +11,8 @@ _small = [size / 1000 for size in _draw.sample(range(50, 500), 10 + BURST)]
 _most = *_draw.sample(range(20_000, 50_000), 2), *_draw.sample(range(550, 1000), 2)
 _large = [size / 1000 for size in _most]
 _fast = [_draw.randrange(550, 1000) / 1000, *_draw.sample((-12_500.0, 15_000.0), 2)]
+_near_zero = [size / 1000 for size in _draw.sample(range(1, 10), 2)]
 # The limit itself is a speed like any other, and a robot may turn without a speed.
-_first = [_slow[0], -_slow[1], _fast[0], _fast[1], _slow[2], 0.0, _slow[4], _fast[2], 0.5]
-_turns = [*_small[:2], _large[0], -_large[1], _small[4], _large[2], _small[6], -_large[3]]
+_first = [_slow[0], -_slow[1], _fast[0], _fast[1], _slow[2], 0.0, _near_zero[0], _fast[2], 0.5]
+_turns = [*_small[:2], _large[0], -_large[1], _near_zero[1], _large[2], _small[6], -_large[3]]
 exam = build(drive([*_first, *_slow[5:]], [*_turns, *_small[8:]]))

@@ -17,10 +17,10 @@ from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, Join, Leave, Look, Mark, Step
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_silent, why_thread_ended
-from autograder.judging.checks import counted, require_field, SECOND
+from autograder.judging.checks import counted, require_field
 from autograder.judging.claims import node, offers
 from autograder.judging.rows import publishers_at, seconds_after_join
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 from autograder.submission.code.source_code import Code
 
 NODE = '/courier'

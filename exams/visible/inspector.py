@@ -16,9 +16,10 @@ from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
 from autograder.exam.steps import Advance, Feed, feeds
 from autograder.exam.words import Causes
-from autograder.judging.checks import require_messages, SECOND
+from autograder.judging.checks import require_messages
 from autograder.judging.claims import node, one_for_one, passes, publishes
 from autograder.judging.rhythm import GRAIN_S, require_period, seconds_between
+from autograder.recording import SECOND
 from autograder.submission.code.source_code import Code
 
 SOURCE, TARGET, ALIVE = '/pictures', '/results', '/alive'

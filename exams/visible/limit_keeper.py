@@ -7,7 +7,7 @@ the default 30.0, and ``place``, any string, at first ``motor``; the node refuse
 ``std_msgs/msg/Float64`` on ``motor_temperature`` above the limit in force causes one WARN line.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 import math
 import operator
@@ -16,14 +16,14 @@ from typing import NamedTuple
 from autograder.exam.exam import Exam, Run, Scenario
 from autograder.exam.slips import Accepts, Compare, in_force_slips, range_slips, warning_slips
 from autograder.exam.specification import each, Rule, Specification
-from autograder.exam.steps import BURST, feeds, get_parameters, set_parameters, Step
+from autograder.exam.steps import BURST, feeds, read_parameters, set_parameters, Step
 from autograder.exam.words import Causes
 from autograder.judging.checks import field_of, own_logs, require_answers
-from autograder.judging.claims import answers, hears, node
+from autograder.judging.claims import answers, declares, hears, node
 from autograder.judging.log_rows import require_warnings
 from autograder.judging.rows import require_all_sent, rows
 
-LIMIT, PLACE, DEFAULT_PLACE = 'limit_c', 'place', 'motor'
+LIMIT, PLACE = 'limit_c', 'place'
 LOWEST_C, HIGHEST_C = -40.0, 125.0
 NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
 JUST_OUTSIDE = (LOWEST_C * (1 + 1e-9), HIGHEST_C * (1 + 1e-9))
@@ -32,10 +32,11 @@ ACCEPTED = 'results.0.successful'
 Change = tuple[str, float | int | str]
 """The name of a parameter and its requested value."""
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
-SERVICE, READ, DEFAULT_C = f'{NODE}/set_parameters', f'{NODE}/get_parameters', 30.0
+SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
+DEFAULTS: Mapping[str, float | str] = {LIMIT: DEFAULT_C, PLACE: 'motor'}
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
 
-WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, DEFAULT_C=DEFAULT_C, DEFAULT_PLACE=DEFAULT_PLACE)
+WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE, DEFAULT_C=DEFAULT_C)
 
 
 class Reading(NamedTuple):
@@ -147,13 +148,6 @@ WARNINGS = (
 )
 
 
-def declares_its_parameters(run: Run) -> None:
-    """Without arguments, its limit is 30.0, and its place is motor."""
-    due = {'values.0.double_value': DEFAULT_C, 'values.1.string_value': DEFAULT_PLACE}
-    what = f'the request for {LIMIT} and {PLACE}'
-    require_answers(run, READ, [due], what, explain=lambda place: WHY['other_default'])
-
-
 def _require_warnings(run: Run, before: bool) -> None:
     accepted = [field_of(one, ACCEPTED) for one in run.recording.answers(SERVICE)]
     asked = in_force(run.asked('warnings'), run.asked('changes').inputs, accepted)
@@ -215,7 +209,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
             arguments=('-p', f'{LIMIT}:={start}'),
             feed={SOURCE: TYPE},
             steps=steps,
-            again=Scenario(file='limit_keeper.py', steps=[get_parameters(NODE, [LIMIT, PLACE])]),
+            again=Scenario(file='limit_keeper.py', steps=read_parameters(NODE, DEFAULTS)),
         ),
         read='Part 5: A threshold that can be changed',
         asks={
@@ -226,7 +220,14 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     exam.check(points=1)(node(NODE))
     exam.check(points=1)(hears(SOURCE, TYPE))
     exam.check(points=2, needs=['hears_motor_temperature'])(warns_above_the_limit)
-    exam.check(points=1, needs=['starts_its_node'], again=True)(declares_its_parameters)
+    exam.check(points=1, needs=['starts_its_node'], again=True)(
+        declares(
+            NODE,
+            DEFAULTS,
+            'declares_its_parameters',
+            'Without arguments, its limit is 30.0, and its place is motor.',
+        )
+    )
     exam.check(points=2, needs=['starts_its_node'])(
         answers(
             'changes',

@@ -11,6 +11,7 @@ force is the one at the last configuration, even if the parameter has changed si
 import ast
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby, zip_longest
 import math
 import operator
@@ -104,9 +105,17 @@ def cutting(cut: Callable[[float], float]) -> Rule:
     return warns(limit=lambda one: cut(one.limit))
 
 
+def _without_limit(other: float, one: Pressure) -> float:
+    return other if one.phase == 'still' else one.limit
+
+
 SLIPS = (
     WHY.slip('never_warns', warns(active=lambda one: False)),
     WHY.slip('early_limit', warns(limit=lambda one: one.limits[one.phase in SET_AGAIN])),
+    WHY.slip(
+        'limit_lost',
+        *(warns(limit=partial(_without_limit, other)) for other in (0.0, -1.0, math.inf)),
+    ),
     WHY.slip('stale_limit', warns(limit=lambda one: one.limits[0])),
     WHY.slip('subscribed_twice', warns(times=lambda one: 2 if one.phase == 'again' else 1)),
     WHY.slip('subscription_not_managed', warns(active=lambda one: True)),

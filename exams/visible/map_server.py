@@ -22,11 +22,11 @@ from autograder.exam.steps import Advance, Feed, feeds, Join, Leave, Offer, Qos
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import safe_quotation
-from autograder.judging.checks import SECOND, why_not_reached
+from autograder.judging.checks import why_not_reached
 from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import seconds_between
 from autograder.judging.rows import delays, publishers_at, rows, why_other_answer
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'

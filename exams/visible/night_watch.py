@@ -14,11 +14,11 @@ from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
 from autograder.judging.causes.missing_logs import CALLS, why_left_out, why_not_logged
 from autograder.judging.causes.text_table import cause_of, why_by_code
-from autograder.judging.checks import own_logs, SECOND
+from autograder.judging.checks import own_logs
 from autograder.judging.claims import node
 from autograder.judging.numbers import whole_numbers_in, why_not_numbered
 from autograder.judging.rhythm import GRAIN_S, require_period, seconds_between
-from autograder.recording import Event, INFO, LEVELS, WARN
+from autograder.recording import Event, INFO, LEVELS, SECOND, WARN
 from autograder.results import shortened
 from exams.visible.harbour import WATCH
 

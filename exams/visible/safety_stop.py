@@ -18,7 +18,7 @@ from autograder.exam.slips import Change, changing, Limit, limiting_slips, SKIPS
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.exam.steps import Advance, BURST, Feed, Leave
 from autograder.exam.words import Causes
-from autograder.judging.checks import field_of, require_messages, SECOND
+from autograder.judging.checks import field_of, require_messages
 from autograder.judging.claims import node, passes
 from autograder.judging.rhythm import GRAIN_S
 from autograder.judging.rows import (
@@ -27,6 +27,7 @@ from autograder.judging.rows import (
     require_one_for_one,
     require_values,
 )
+from autograder.recording import SECOND
 
 SOURCE, TARGET, TWIST = '/cmd_vel_raw', '/cmd_vel', 'geometry_msgs/msg/Twist'
 FIELDS = 'linear.x', 'angular.z'

@@ -30,12 +30,12 @@ from autograder.judging.causes.missing_logs import (
     why_not_logged,
 )
 from autograder.judging.causes.redaction import redacted
-from autograder.judging.checks import lines, own_logs, SECOND
+from autograder.judging.checks import lines, own_logs
 from autograder.judging.claims import node, requests
 from autograder.judging.numbers import near, numbers_in, rounded
 from autograder.judging.rhythm import GRAIN_S
 from autograder.judging.rows import rows
-from autograder.recording import ERROR, Event, INFO, Recording, WARN
+from autograder.recording import ERROR, Event, INFO, Recording, SECOND, WARN
 from autograder.results import shortened
 
 TYPE = 'std_msgs/msg/Float64'

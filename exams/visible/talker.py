@@ -17,11 +17,11 @@ from autograder.exam.steps import Advance, get_parameters, Join, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_it_ended, why_silent
 from autograder.judging.causes.text_table import cause_of
-from autograder.judging.checks import counted, require_messages, require_qos, SECOND
+from autograder.judging.checks import counted, require_messages, require_qos
 from autograder.judging.claims import node
 from autograder.judging.numbers import why_not_numbered
 from autograder.judging.rhythm import just_before, require_period, seconds_between, with_unheard
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 from autograder.results import shortened
 
 TYPE = 'std_msgs/msg/String'

@@ -22,7 +22,7 @@ from autograder.exam.scenario import RosClock, Scenario
 from autograder.exam.steps import Advance, Mark, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_it_sleeps, why_silent
-from autograder.judging.checks import counted, require_field, require_messages, SECOND
+from autograder.judging.checks import counted, require_field, require_messages
 from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import (
     GRAIN_S,
@@ -33,7 +33,7 @@ from autograder.judging.rhythm import (
     with_unheard,
 )
 from autograder.judging.stamps import require_stamps
-from autograder.recording import Event
+from autograder.recording import Event, SECOND
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'

@@ -1,9 +1,11 @@
 """
-Write ``docs/coverage.md``: the claims of the course, the cells that teach them and their tests.
+Write ``docs/coverage.md``: the claims of the course, the cells that teach them and their proofs.
 
 The page combines three sources: the claims in ``points.yaml`` and ``corrections.yaml``, the code
 cells of ``solutions/`` that name claims in their metadata (``"covers": ["N1"]``), and tests that
-are marked ``@pytest.mark.claim('N1')``.  Nothing is imported or executed, so this is quick::
+are marked ``@pytest.mark.claim('N1')``.  A claim has one proof: the output of its cells
+(``shows``), a test, or, for a correction, the claims that it refers to (``see``).  Nothing is
+imported or executed, so this is quick::
 
     python -m tests.claims.coverage            write the table
     python -m tests.claims.coverage --check    report what is missing or out of date
@@ -38,10 +40,11 @@ GROUPS = {
 Places = Mapping[str, Sequence[str]]
 
 
-def claims(name: str) -> dict[str, dict[str, Any]]:
-    """Return the claims of one of the two files, by id."""
-    found = yaml.safe_load((HERE / name).read_text(encoding='utf-8'))
-    assert isinstance(found, dict)
+def claims(*names: str) -> dict[str, dict[str, Any]]:
+    """Return the claims of one or both of the two files, by id."""
+    found = {}
+    for name in names or ('points.yaml', 'corrections.yaml'):
+        found.update(yaml.safe_load((HERE / name).read_text(encoding='utf-8')))
     return found
 
 
@@ -73,44 +76,54 @@ def _marks(test: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[str]:
             yield from (word.value for word in mark.args if isinstance(word, ast.Constant))
 
 
-def problems(taught: Places, proven: Places) -> Iterator[str]:
-    """Yield a line for each claim without a cell or a test, and for each unknown claim."""
-    known = {**claims('points.yaml'), **claims('corrections.yaml')}
+def problems(taught: Places, tested: Places) -> Iterator[str]:
+    """Yield a line for each claim without a cell or without one proof, and each unknown claim."""
+    known = claims()
     for claim, entry in known.items():
         sentence = entry.get('claim') or entry['right']
         if claim not in taught:
             yield f'{claim} is taught in no code cell: {sentence}'
-        if not _proof(claim, entry, proven):
-            yield f'{claim} is asserted by no test: {sentence}'
-    for claim in sorted((taught.keys() | proven.keys()) - known.keys()):
-        where = [*taught.get(claim, ()), *proven.get(claim, ())]
+        proofs = [how for how in ('shows', 'see') if how in entry]
+        proofs += ['a test'] if claim in tested else []
+        if len(proofs) != 1:
+            yield f'{claim} needs one proof, but has {" and ".join(proofs) or "none"}: {sentence}'
+        for see in entry.get('see', ()):
+            if see not in known:
+                yield f'{claim} refers to {see}, which is not a known claim.'
+    for claim in sorted((taught.keys() | tested.keys()) - known.keys()):
+        where = [*taught.get(claim, ()), *tested.get(claim, ())]
         yield f'{claim} is not a known claim, but {", ".join(where)} names it.'
 
 
-def _proof(claim: str, entry: Mapping[str, Any], proven: Places) -> list[str]:
-    """Return the tests of a claim, or those of the claims that a correction refers to."""
-    own = proven.get(claim)
-    return [*own] if own else [one for see in entry.get('see', ()) for one in proven.get(see, ())]
+def _proof(claim: str, entry: Mapping[str, Any], tested: Places) -> str:
+    """Return what proves a claim: output, tests, or the claims that a correction refers to."""
+    if 'shows' in entry:
+        return 'output'
+    return ', '.join(entry['see']) if 'see' in entry else _listed(tested.get(claim))
 
 
-def table(taught: Places, proven: Places) -> str:
+def table(taught: Places, tested: Places) -> str:
     """Return the page."""
     points, corrections = claims('points.yaml'), claims('corrections.yaml')
+    shown = sum('shows' in entry for entry in points.values())
     lines = [
-        '# Claims of the course, where they are taught, and their tests',
+        '# Claims of the course, where they are taught, and what proves them',
         '',
         'Written by `python -m tests.claims.coverage`; `make check` compares. A claim is taught '
-        'in a code cell (lesson and cell id), and proven by a test under `tests/` that runs real '
-        'ROS 2.',
+        'in code cells (lesson and cell id). *Output*: these cells prove it in front of the '
+        'learner; `tests/notebooks/test_lessons.py` executes the lessons with real ROS 2 and '
+        'compares the output with the pattern in `tests/claims/`. Otherwise, a test under '
+        '`tests/` proves the claim; the proof of a correction can be that of other claims.',
         '',
-        f'{len(points)} claims; {len(corrections)} corrections of common misconceptions.',
+        f'{len(points)} claims, {shown} of them proven by output; {len(corrections)} corrections '
+        'of common misconceptions.',
     ]
     for letter, title in GROUPS.items():
         lines += ['', f'## {title}', '', '| | claim | taught in | proven by |']
         lines += ['|---|---|---|---|']
         lines += [
             f'| {claim} | {_plain(point["claim"])} | {_listed(taught.get(claim))} '
-            f'| {_listed(_proof(claim, point, proven))} |'
+            f'| {_proof(claim, point, tested)} |'
             for claim, point in points.items()
             if claim[0] == letter
         ]
@@ -118,7 +131,7 @@ def table(taught: Places, proven: Places) -> str:
     lines += ['| | misconception | correction | taught in | proven by |', '|---|---|---|---|---|']
     lines += [
         f'| {claim} | {_plain(entry["wrong"])} | {_plain(entry["right"])} '
-        f'| {_listed(taught.get(claim))} | {_listed(_proof(claim, entry, proven))} |'
+        f'| {_listed(taught.get(claim))} | {_proof(claim, entry, tested)} |'
         for claim, entry in corrections.items()
     ]
     return '\n'.join(lines) + '\n'
@@ -134,13 +147,13 @@ def _listed(places: Sequence[str] | None) -> str:
 
 def main(arguments: Sequence[str]) -> int:
     """Write the table, or compare it."""
-    taught, proven = cells(), tests()
-    text = table(taught, proven)
-    found = list(problems(taught, proven))
+    taught, tested = cells(), tests()
+    text = table(taught, tested)
+    found = list(problems(taught, tested))
     if '--check' in arguments:
         if not TABLE.is_file() or TABLE.read_text(encoding='utf-8') != text:
             found.append(f'{TABLE.relative_to(ROOT)} is out of date. Try: make coverage')
-        print('\n'.join(found) or 'Every claim of the course is taught in a cell, and proven.')
+        print('\n'.join(found) or 'Every claim of the course is taught in a cell and proven.')
         return 1 if found else 0
     TABLE.parent.mkdir(exist_ok=True)
     TABLE.write_text(text, encoding='utf-8')

@@ -9,9 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from autograder.exam import catalog
-from autograder.exam.exam import Exam
+from autograder.exam.exam import Exam, Run
 from autograder.exam.specification import each, Specification
-from autograder.judging.claims import beats, one_for_one
+from autograder.judging.checks import require_messages
+from autograder.judging.claims import claim, one_for_one
+from autograder.judging.rhythm import require_period
 from tests.clock.time_styles import ANSWERING, ASKED, BURST, INPUTS, program, STYLES, WATCHED
 
 NAMES = (*STYLES, *ANSWERING)
@@ -80,7 +82,12 @@ def judged(style: str, right: bool) -> tuple[Exam, dict[str, str]]:
 
 def _beater(rhythm: Rhythm) -> Exam:
     exam = Exam('numbers', title='Numbers', assignment='styles', part=1, scenario=WATCHED)
-    exam.check(points=1)(beats('/n', rhythm.period_s, rhythm.during_s))
+
+    def keeps_its_rhythm(run: Run) -> None:
+        found = require_messages(run, topic='/n')
+        require_period(run, found, rhythm.period_s, rhythm.during_s)
+
+    exam.check(points=1)(claim('keeps_its_rhythm', 'It keeps its rhythm.', keeps_its_rhythm))
     return exam
 
 

@@ -17,18 +17,20 @@ import re
 from statistics import median
 import tempfile
 import time
+from typing import Any
 
 from nbclient import NotebookClient
 import nbformat
 import pytest
 import yaml
 
-from autograder.authoring.release import portions
 from autograder.exam import catalog
 from autograder.layout import lesson_files
 from autograder.submission.cells import UNSOLVED
 from autograder.submission.outline import read_outline
 from roslab import gallery
+from tests.claims import coverage
+from tests.notebooks.portions import portions
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,6 +41,10 @@ RELEASES = [START_HERE, *lesson_files(ROOT / 'notebooks')]
 GALLERY_LESSON = next(path for path in LESSONS if path.parent.name == gallery.LESSON)
 GALLERY_ROWS = {row['key']: row for row in yaml.safe_load(gallery.FILE.read_text('utf-8'))}
 TERMINAL_COLOURS = re.compile(r'\x1b\[[0-9;]*m')
+
+TAUGHT = coverage.cells()
+SHOWS = {claim: entry['shows'] for claim, entry in coverage.claims().items() if 'shows' in entry}
+"""A pattern for what a learner sees, by claim; ``tests/claims/points.yaml`` explains it."""
 
 KERNEL = 'ros2_jazzy'
 MOST_SECONDS = 60
@@ -87,9 +93,10 @@ AT_ONCE = 2
 def executions(request: pytest.FixtureRequest) -> Iterator[None]:
     """Start all notebooks that the chosen tests need; ``run`` waits for one of them."""
     wanted = [
-        item.callspec.params.get('path', GALLERY_LESSON)
+        path
         for item in request.session.items
         if item.path == Path(__file__) and item.get_closest_marker('notebooks')
+        for path in lessons_of(item.callspec.params)
     ]
     with ThreadPoolExecutor(AT_ONCE) as pool:
         for path in wanted:
@@ -97,6 +104,19 @@ def executions(request: pytest.FixtureRequest) -> Iterator[None]:
                 _begun[code_of(path)] = pool.submit(execute, path)
         yield
         pool.shutdown(cancel_futures=True)
+
+
+def lessons_of(params: dict[str, Any]) -> list[Path]:
+    """Return the notebooks that a test with these parameters needs."""
+    if 'claim' in params:
+        return [place_of(where)[0] for where in TAUGHT[params['claim']]]
+    return [params.get('path', GALLERY_LESSON)]
+
+
+def place_of(where: str) -> tuple[Path, str]:
+    """Return the lesson and the id of a cell that is named as ``lesson#cell-id``."""
+    lesson, cell = where.split('#')
+    return next(path for path in LESSONS if path.parent.name == lesson), cell
 
 
 _begun: dict[tuple[str, ...], Future[Run]] = {}
@@ -181,39 +201,27 @@ def test_lesson_executed_passes_its_own_checks(path: Path) -> None:
         assert points[1] == points[2], said[where]
 
 
-SHOWN = {
-    ('node_life', 'part-2-context-with'): r'inside: True\nafterwards: False\n',
-    ('messages', 'part-2-workspace'): (
-        r"(?s)build.*install.*src.*Package 'hello' not found\nHi from hello\.\n"
-    ),
-    ('messages', 'part-2-executables'): r'^No executable found\n',
-    ('temperature_monitor', 'part-5-start'): r'26\.5\n.*already declared.*threshold_c.*\n',
-    ('temperature_monitor', 'part-5-set'): (
-        r'(?s)Set parameter successful\n.*DOUBLE.*failed: too cold\n'
-    ),
-    ('package_of_your_own', 'part-2-chmod'): r'No executable found\n',
-    ('package_of_your_own', 'part-2-run'): r"Package 'my_robot_pkg' not found\n",
-    ('package_of_your_own', 'part-5-run'): r'5 tests, 0 errors, 0 failures',
-    ('testing', 'part-4-run'): r'2 failed.*1 passed',
-}
-"""Expected output of cells on which claims depend, by lesson and cell."""
+def shown(where: str) -> str:
+    """Return what a learner sees below a cell: text without terminal colours."""
+    path, cell = place_of(where)
+    said = ''
+    for output in next(one.outputs for one in run(path).cells if one.id == cell):
+        if output.output_type == 'stream':
+            said += output.text
+        elif output.output_type == 'error':
+            said += f'{output.ename}: {output.evalue}\n'
+        else:
+            said += output.data.get('text/plain', '') + '\n'
+    # The output of `!` has the line ends of a terminal.
+    return TERMINAL_COLOURS.sub('', said).replace('\r\n', '\n')
 
 
 @executed
-@pytest.mark.parametrize(
-    ('path', 'cell'),
-    [
-        pytest.param(path, cell, id=f'{lesson}-{cell}')
-        for lesson, cell in SHOWN
-        for path in LESSONS
-        if path.stem == lesson
-    ],
-)
-def test_cell_shows_what_it_claims_to_teach(path: Path, cell: str) -> None:
-    said = ''.join(one.text for where, one in run(path).outputs('stream') if where == cell)
+@pytest.mark.parametrize('claim', SHOWS)
+def test_claim_is_shown_where_it_is_taught(claim: str) -> None:
+    said = ''.join(shown(where) for where in TAUGHT[claim])
 
-    # The output of `!` has the line ends of a terminal.
-    assert re.search(SHOWN[path.stem, cell], said.replace('\r\n', '\n')), said
+    assert re.search(SHOWS[claim], said), said
 
 
 @lessons

@@ -242,16 +242,15 @@ def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
 
 def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     """The late policy is nbgrader's plug-in; a new submission time changes the penalty."""
-    config = course.root / 'nbgrader_config.py'
-    config.write_text(
-        config.read_text(encoding='utf-8') + "\nc.LateSubmissionPlugin.penalty_method = 'zero'\n",
-        encoding='utf-8',
-    )
     hand_in(course, 'ann', '2026-03-01 12:00:00 UTC')
     hand_in(course, 'bob', '2026-03-03 12:00:00 UTC')
     grade(course)
     with book(course) as gradebook:
         gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
+    assert grade(course) == 2
+    assert scores(course, 'bob')['late'] == 0
+    own = course.work / 'nbgrader_config.py'
+    own.write_text("c.LateSubmissionPlugin.penalty_method = 'zero'\n", encoding='utf-8')
 
     assert grade(course) == 2
     assert scores(course, 'ann')['late'] == 0

@@ -14,7 +14,7 @@ from autograder import __main__ as command
 from autograder.classroom.results_of_class import graded as results_of
 from autograder.commands import FOR_REVIEW, OK, rejudge
 from autograder.commands import grade as grading
-from autograder.exam import catalog
+from autograder.exam import catalog, inputs
 from autograder.gradebook.database import copies
 from autograder.layout import Layout
 
@@ -90,7 +90,9 @@ def give_points(folder, points: float) -> None:
 class TestPoints:
     """If cells and exams have different points, no mark is changed."""
 
-    @pytest.mark.parametrize('arguments', [['grade'], ['rejudge', '--write'], ['grade', '--yes']])
+    @pytest.mark.parametrize(
+        'arguments', [['grade'], ['rejudge'], ['rejudge', '--write'], ['grade', '--yes']]
+    )
     def test_an_exam_with_other_points_than_its_cell_is_refused(
         self, here, edit, capsys, arguments
     ):
@@ -101,7 +103,7 @@ class TestPoints:
         assert capsys.readouterr().err == (
             f'autograder: solutions/{ASSIGNMENT}/{NOTEBOOK}, cell {CHECK}: 15 points, but the '
             'exam gives 17. No mark was changed. Try: give the cell and the exam the same points, '
-            'then make release\n'
+            'then autograder release\n'
         )
         assert scores(here, 'ann')[CHECK] == 15
         assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
@@ -112,11 +114,28 @@ class TestPoints:
         give_points(here.solutions, 17)
 
         assert grade() == command.USAGE
-        assert capsys.readouterr().err.endswith('No mark was changed. Try: make release\n')
+        assert capsys.readouterr().err.endswith('No mark was changed. Try: autograder release\n')
 
         give_points(here.notebooks, 17)
         assert grade() == OK
         assert scores(here, 'ann')[CHECK] == 17
+
+
+@pytest.mark.parametrize('arguments', [['grade', '--yes'], ['rejudge', '--write', '--yes']])
+def test_another_course_secret_changes_no_mark(here, monkeypatch, capsys, arguments):
+    hand_in(here, 'ann', **TYPO)
+    monkeypatch.setattr(inputs, 'course_secret', lambda: b'another')
+    capsys.readouterr()
+
+    assert command.main(arguments) == command.USAGE
+    said = 'COURSE_SECRET: this class was graded with a different course secret. Try: restore '
+    assert said in capsys.readouterr().err
+    assert scores(here, 'ann')[CHECK] == 15
+    assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
+
+    (here.work / 'secret_fingerprint').unlink()
+    assert command.main(arguments) == OK
+    assert scores(here, 'ann')[CHECK] == 5
 
 
 class TestLoweredMarks:
@@ -131,8 +150,11 @@ class TestLoweredMarks:
         said = capsys.readouterr()
         out = ' '.join(said.out.split())
         assert 'Not lowered in the gradebook: ann 50 to 40.' in out
-        assert said.err.startswith(f'autograder: gradebook: 1 mark of {ASSIGNMENT} would be ')
-        assert 'Try: look at the list, then run the same command with --yes' in said.err
+        assert 'Gradebook: 1 entered, 0 unchanged.' in out
+        assert said.err.startswith(
+            f'autograder: gradebook: 1 mark of {ASSIGNMENT} (ann 50 to 40) would be '
+        )
+        assert 'Try: run the same command with --yes to accept this.' in said.err
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
         assert [one.points for one in results_of(here, ASSIGNMENT)[0].results] == [40, 50]
 
@@ -213,7 +235,7 @@ class TestLoweredMarks:
         said = capsys.readouterr()
         assert 'lower mark in the gradebook: ann 50 to 40\n' in said.out
         assert 'Nothing was written, because marks would be lowered or cleared.' in said.out
-        assert 'nothing was written. Try: look at the list, then run the same command' in said.err
+        assert 'nothing was written. Try: run the same command with --yes' in said.err
         assert scores(here, 'ann')[CHECK] == 15
         assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
 
@@ -283,6 +305,54 @@ class TestCopies:
         assert capsys.readouterr().out.startswith(f'bob, {ASSIGNMENT}: for review: ')
 
 
+class TestSummary:
+    """A second grading prints only what is new and what needs the instructor."""
+
+    def test_only_new_results_and_reviews_have_a_row(self, here, capsys):
+        hand_in(here, 'bob', **TYPO)
+        hand_in(here, 'eve', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
+        (here.work / 'class_list.csv').write_text('student\nann\nbob\neve\nzoe\n', 'utf-8')
+        capsys.readouterr()
+
+        assert grade() == FOR_REVIEW
+        said = capsys.readouterr().out
+        rows = [line for line in said.splitlines() if line.startswith('│')]
+        assert ['ann' in ''.join(rows), 'bob' in rows[0], 'zoe' in ''.join(rows)] == [0, 1, 0]
+        assert 'Gradebook: 2 entered, 1 unchanged.' in ' '.join(said.split())
+        assert 'Nothing to grade yet from: zoe.\n' in said
+        assert said.endswith('\nExit code 1: 1 submission is for review.\n')
+
+        assert grade('--allow-review') == OK
+        rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith('│')]
+        assert ('eve' in rows[0], 'bob' in ''.join(rows)) == (True, False)
+
+        hand_in(here, 'eve', **TYPO)
+        assert grade() == OK
+        capsys.readouterr()
+        assert grade() == OK
+        said = capsys.readouterr().out
+        assert said.startswith(f'{ASSIGNMENT}: 3 submissions in ')
+        assert not [line for line in said.splitlines() if line.startswith('│')]
+
+    def test_written_answers_and_unknown_assignments_are_named(self, here, capsys):
+        with book(here) as gradebook:
+            gradebook.update_or_create_assignment('7_temperature_monitor', duedate='2026-12-01')
+        capsys.readouterr()
+
+        assert grade() == OK
+        *_, written, unknown = capsys.readouterr().out.splitlines()
+        assert written.startswith('Written answers to mark: 1. Try: make lab, Nbgrader > ')
+        assert unknown == (
+            'gradebook: 7_temperature_monitor is not an assignment of this course; did you mean '
+            '07_temperature_monitor? Try: .venv/bin/nbgrader db assignment remove '
+            '7_temperature_monitor'
+        )
+
+        by_hand(here, 'ann', 4)
+        assert grade() == OK
+        assert 'Written answers' not in capsys.readouterr().out
+
+
 class TestStudents:
     """A folder never becomes a student by its name alone."""
 
@@ -299,7 +369,7 @@ class TestStudents:
         said = capsys.readouterr().err
         fix = f'Try: --submitted {tmp_path}/download/mine\n'
         if not deep:
-            fix = f'Try: python -m autograder collect {tmp_path}/download, if this is a download '
+            fix = f'Try: .venv/bin/autograder collect {tmp_path}/download, if this is a download '
         assert fix in said
         with book(here) as gradebook:
             assert [student.id for student in gradebook.students] == ['ann']

@@ -224,7 +224,7 @@ def test_autograde_leaves_a_mark_that_would_fall(course):
 
     said = nbgrader(course, 'autograde', ASSIGNMENT, '--force')
 
-    assert 'so it was not changed: ann 50 to 40. Try: make grade ARGS=--yes' in said
+    assert 'so it was not changed: ann 50 to 40. Try: .venv/bin/autograder grade --yes' in said
     assert grades(course) == before
 
 

@@ -17,7 +17,7 @@ from autograder.classroom.results_of_class import graded as results_of
 from autograder.classroom.results_of_class import last_results, ran_s
 from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.explain import evidence, MOST_LINES, WIDEST
-from autograder.commands.rejudge import account_text, rejudge, rejudge_command
+from autograder.commands.rejudge import account_text, changes, rejudge, rejudge_command
 from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed
@@ -26,6 +26,7 @@ from autograder.grading.examine import Engine
 from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.recording import Recording
+from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import discover
 from exams.visible.temperature_publisher import build
@@ -158,6 +159,38 @@ class TestRejudge:
         assert changed['is_new']['why'] == 'the check is new'
         assert changed['readings_are_plausible']['after'] == 'no such check'
         assert 'starts_its_node' not in changed
+
+    def test_only_students_whose_points_change_are_listed(self):
+        """A check that now waits for another one has no expected and observed behaviour."""
+
+        def result(*checks):
+            found = (
+                CheckResult(name, 'T', verdict, points, 3) for name, verdict, points in checks
+            )
+            return ExamResult('e', tuple(replace(one, waits_for='runs') for one in found))
+
+        failed, waits, passed = Verdict.FAILED, Verdict.NOT_RUN, Verdict.PASSED
+        before = result(('says', failed, 0), ('runs', passed, 3))
+        same = result(('says', waits, 0), ('runs', passed, 3))
+        less = result(('says', waits, 0), ('runs', failed, 2))
+        rows = [
+            {
+                'student': student,
+                'before': before.points,
+                'after': after.points,
+                'max_points': 6,
+                'kept': '',
+                'changed': list(changes(before, after)),
+            }
+            for student, after in (('ann', same), ('bob', less))
+        ]
+        account = {'assignment': '01', 'seconds': 0.0, 'written': '', 'lowered': []}
+
+        head, says, runs, summary = account_text({**account, 'submissions': rows}).splitlines()
+        assert head == 'bob: 3 -> 2 of 6 points'
+        assert says == '  e/says: FAILED -> NOT_RUN, 0 -> 0 points; it waits for runs'
+        assert runs == '  e/runs: PASSED -> FAILED, 3 -> 2 points; previous result: PASSED'
+        assert summary.endswith('; 1 changed. Nothing was written. Try: --write')
 
     def test_another_scenario_needs_another_run(self, layout, now):
         now(build(21, 0.07, 1.25, 20.0))
@@ -372,7 +405,7 @@ class TestCommands:
         assert command.main(['rejudge', 'temperature_monitor']) == OK
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 4 of 4 submissions judged again in ')
-        assert said.endswith('without a run; 0 changed. Nothing was written. Try: --write\n')
+        assert said.endswith('without a run; 0 changed. Nothing was written.\n')
 
         assert command.main(['rejudge', '--json']) == OK
         (account,) = json.loads(capsys.readouterr().out)

@@ -11,8 +11,8 @@ NODE = """
 import rclpy
 from rclpy.node import Node
 from geometry_msgs.msg import Twist
-from std_msgs.msg import Bool
-from std_srvs.srv import SetBool
+from std_msgs.msg import Bool, Int32
+from std_srvs.srv import SetBool, Trigger
 rclpy.init()
 node = Node('{name}')
 {body}
@@ -45,6 +45,28 @@ def hear(message):
         out.publish(message)
 node.create_subscription(Bool, 'button', hear, 10)
 """
+PULSES = """
+node.declare_parameter('first', {first})
+node.declare_parameter('period_s', 0.2)
+out, state = node.create_publisher(Int32, 'count', 10), [False, 0]
+def tick():
+    if {condition}:
+        state[1] += 1
+        out.publish(Int32(data=state[1]))
+def enable(request, response):
+    state[0] = request.data
+    {end}
+node.create_timer({period}, tick)
+node.create_service({kind}, '{service}', enable)
+"""
+
+
+def pulses(condition='state[0]', **other):
+    given = {'first': 1, 'period': 0.2, 'kind': 'SetBool', 'service': 'enable'}
+    given['end'] = 'response.success = True\n    return response'
+    return PULSES.format(**{**given, 'condition': condition, **other})
+
+
 PROGRAMS = [
     ('speed_limiter', LIMITER.format(cut='max(-limit, min(message.linear.x, limit))'), 7, {}),
     (
@@ -79,7 +101,29 @@ PROGRAMS = [
         {'answers_switch': 'begins_on'},
     ),
     ('lamp', LAMP.format(first=False, success='True'), 1, {'answers_switch': 'never_refuses'}),
-    ('lamp', '', 1, {'answers_switch': 'no_service'}),
+    ('lamp', '', 1, {'answers_switch': 'no_endpoint'}),
+    ('pulse_counter', pulses(), 10, {}),
+    ('pulse_counter', pulses(first=0), 9, {'declares': 'other_default'}),
+    ('pulse_counter', pulses(first='1.0'), 9, {'declares': 'other_default'}),
+    ('pulse_counter', pulses().replace("'first'", "'start'"), 9, {'declares': 'not_declared'}),
+    ('pulse_counter', pulses(service='~/enable'), 3, {'serves_enable': 'private_name'}),
+    ('pulse_counter', pulses(service='enabel'), 3, {'serves_enable': 'topic_name'}),
+    (
+        'pulse_counter',
+        pulses(kind='Trigger', end='return response'),
+        3,
+        {'serves_enable': 'wrong_type'},
+    ),
+    (
+        'pulse_counter',
+        pulses(end='pass'),
+        4,
+        dict.fromkeys(('answers_enable', 'keeps_its_rhythm'), 'no_response_returned'),
+    ),
+    ('pulse_counter', pulses(end='return response'), 8, {'answers_enable': 'no_success'}),
+    ('pulse_counter', pulses(condition='True'), 8, {'is_quiet': 'stays_on'}),
+    ('pulse_counter', pulses(period=1.0), 6, {'keeps_its_rhythm': 'wrong_rate'}),
+    ('pulse_counter', pulses(period='5.0'), 6, {'keeps_its_rhythm': 'wrong_rate'}),
     (
         'debouncer',
         BUTTON.format(condition='len(set(seen[-2:])) == 1 < len(seen) and seen[-1] != last[0]'),
@@ -107,7 +151,7 @@ def test_program_gets_its_points_and_its_cause(name, body, points, causes):
     assert result.points == points
 
 
-@pytest.mark.parametrize('name', ['speed_limiter', 'lamp', 'debouncer'])
+@pytest.mark.parametrize('name', ['speed_limiter', 'lamp', 'debouncer', 'pulse_counter'])
 def test_inputs_tell_each_mistake_from_the_others(name):
     """``release check`` requires this of every exam."""
     exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam

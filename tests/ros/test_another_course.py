@@ -80,14 +80,15 @@ def engine(wheel) -> Path:
 
 @pytest.fixture(scope='module')
 def course(tmp_path_factory, engine) -> Path:
-    """Return the folder of a prepared course with one exercise."""
+    """Return the folder of a prepared course with two exercises in one lesson."""
     root, shell = tmp_path_factory.mktemp('courses') / 'points', stand_in.sourced_shell()
-    grader = [str(engine), '-m', 'autograder']
+    grader = [str(engine.with_name('autograder'))]
     finished([*grader, 'new-course', 'points'], root.parent, shell)
-    finished([*grader, 'new-exam', 'far_points', '--lesson', '01_points'], root, shell)
+    for name in ('far_points', 'near_points'):
+        finished([*grader, 'new-exam', name, '--lesson', '01_points'], root, shell)
     finished([str(engine), '-c', VENV, stand_in.__file__], root, shell)
     finished([str(engine), '-m', 'environment', 'prepare'], root, shell)
-    assert run(root, 'autograder.authoring.release', 'release').returncode == 0
+    assert run(root, 'autograder', 'release').returncode == 0
     return root
 
 
@@ -140,11 +141,11 @@ class TestGrading:
 
     def test_it_fits_together_and_the_grader_proves_itself(self, course):
         """The exam sends a geometry_msgs message and receives one of the course's own types."""
-        said = run(course, 'autograder.authoring.release', 'check').stdout.splitlines()
+        said = run(course, 'autograder', 'release', '--check').stdout.splitlines()
         assert said[-1] == 'The notebooks and the exams agree.'
         assert run(course, 'autograder', 'self-check').stdout.splitlines() == [
-            '01_points: the reference solution has 6 of 6, as expected.',
-            '01_points: the untouched release has 0 of 6, as expected.',
+            '01_points: the reference solution has 12 of 12, as expected.',
+            '01_points: the untouched release has 0 of 12, as expected.',
         ]
 
     def test_a_class_is_graded_in_its_own_gradebook(self, course):
@@ -155,7 +156,7 @@ class TestGrading:
             file.parent.mkdir(parents=True)
             file.write_text(text.replace(RIGHT, code), encoding='utf-8')
 
-        done = run(course, 'autograder', 'grade')
+        done = run(course, 'environment', 'run', 'autograder', 'grade')
 
         assert done.returncode == 0, done.stdout + done.stderr
         results = json.loads((course / '_work/reports/01_points/results.json').read_text())
@@ -201,5 +202,5 @@ class TestBeginning:
         new_exam(Layout(root), 'far_points', '01_points')
         before = sorted(root.rglob('*'))
         with pytest.raises(GraderError, match='this file already exists'):
-            new_exam(Layout(root), 'near_points', '01_points')
+            new_exam(Layout(root), 'far_points', '02_more')
         assert sorted(root.rglob('*')) == before

@@ -151,7 +151,7 @@ Subscription count: 0
 """
 
 
-@pytest.mark.claim('N10', 'Q22')
+@pytest.mark.claim('N10')
 def test_topic_info_tells_each_endpoint(world):
     """The verbose output shows QoS as discovered; an unknown topic is an error."""
     text = world.ros2('topic', 'info', '-v', '/lab/kept')
@@ -351,7 +351,6 @@ def test_nobody_there_is_a_short_list_and_no_error():
     assert alone.ros2('topic', 'list') == '/parameter_events\n/rosout\n'
 
 
-@pytest.mark.claim('M23', 'M24')
 def test_created_packages_build_and_run(world, tmp_path):
     """Both kinds of package build without changes and without messages about dependencies."""
     source = tmp_path / 'src'

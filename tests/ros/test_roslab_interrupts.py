@@ -45,7 +45,6 @@ BLOCKING = {
 }
 
 
-@pytest.mark.claim('J2')
 @pytest.mark.parametrize('code', BLOCKING.values(), ids=BLOCKING.keys())
 def test_interrupt_ends_whatever_blocks(kernel_with_node, code):
     outputs = kernel_with_node.interrupt_at(f'print("now", flush=True)\n{code}', 'now')

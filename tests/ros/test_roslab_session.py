@@ -82,7 +82,6 @@ def test_started_node_publishes_while_the_test_waits(session):
     assert heard.last in heard.messages
 
 
-@pytest.mark.claim('J5')
 def test_node_started_again_replaces_the_older_one_without_a_warning(session, capfd):
     """Running a cell twice leaves one node, and the middleware prints no warning."""
     first = session.start(Talker)
@@ -97,7 +96,6 @@ def test_node_started_again_replaces_the_older_one_without_a_warning(session, ca
     assert err == ''
 
 
-@pytest.mark.claim('J6')
 def test_running_node_keeps_its_class_until_it_is_started_again(session):
     classes = [type('Greeter', (Node,), {'word': word}) for word in ('hello', 'bye')]
     old, new = (session.start(lambda made=made: made('greeter')) for made in classes)

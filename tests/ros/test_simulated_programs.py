@@ -77,7 +77,6 @@ def numbers(*pairs):
     return {'number': [(at_s, {'data': float(value)}) for at_s, value in pairs]}
 
 
-@pytest.mark.claim('P16')
 def test_hour_of_a_publisher_has_a_message_at_each_second(virtual_time, program):
     """No message is early, late or lost."""
     run = virtual_time(program(TALKER), seconds=3600)

@@ -282,7 +282,8 @@ class TestTerminal:
 
 class TestWhatWasGraded:
     def test_an_assignment_may_be_named_without_its_number(self, layout):
-        assert layout.assignment_named('talker') == ASSIGNMENT
+        for name in ('talker', '01', '1'):
+            assert layout.assignment_named(name) == ASSIGNMENT
         assert graded(layout, 'talker')[0].results == CLASS.results[:3]
 
     def test_a_typo_is_answered_with_a_near_one_and_nothing_graded_with_what_to_do(self, layout):

@@ -229,14 +229,20 @@ class TestHostileSources:
             collect(tmp_path / 's.zip', layout, layout.submitted)
 
 
-def test_work_that_was_handed_in_again_replaces_the_old_one(gather, layout):
+def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, gather, layout):
+    """The old work is kept where nbgrader and the grader do not look, and leaves with the rest."""
     gather({'ann/talk.ipynb': GOOD})
     newer = notebook('talker', text='newer')
 
     (row,) = gather({'ann/talk.ipynb': newer})
 
     assert row.done == REPLACED
-    assert taken(layout) == {f'ann/{TALK}/talk.ipynb': newer}
+    kept = f'ann/{TALK}/.ipynb_checkpoints/talk-replaced.ipynb'
+    assert taken(layout) == {kept: GOOD, f'ann/{TALK}/talk.ipynb': newer}
+    (found,) = discover(layout.submitted, TALK, 'talk.ipynb')
+    assert found.path == layout.submitted / 'ann' / TALK / 'talk.ipynb'
+    (row,) = collect(layout.submitted, layout, tmp_path / 'again')
+    assert row.notes == ()
 
 
 def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, gather, layout):
@@ -265,9 +271,20 @@ class TestCommand:
 
         assert command.main(['collect', str(source), '--dry-run']) == OK
         said = capsys.readouterr().out
-        assert 'ann' in said
-        assert '1 taken. Nothing was written (--dry-run).' in said
+        assert said.startswith('1 taken. Nothing was written (--dry-run).')
+        assert said.endswith('Rows without news: 1 (--all shows them).\n')
         assert not layout.submitted.exists()
+
+    def test_the_table_has_only_news(self, tmp_path, capsys):
+        files = {'ann/talk.ipynb': GOOD, 'bob/work.ipynb': GOOD, 'cy/x.txt': b''}
+        source = str(laid(tmp_path / 's', files))
+
+        rows = []
+        for options in ((), (), ('--all',)):
+            command.main(['collect', source, *options])
+            lines = capsys.readouterr().out.splitlines()
+            rows.append([line.split()[1] for line in lines if line.startswith('│')])
+        assert rows == [['bob', 'cy'], ['cy'], ['ann', 'bob', 'cy']]
 
     def test_the_example_students_leave_when_a_class_comes(self, tmp_path, layout, capsys):
         laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})
@@ -311,6 +328,14 @@ class TestCommand:
 
         assert command.main(['collect', str(source), '--prefix', 'hw2-']) == command.USAGE
         assert "begin with 'hw2-' (--prefix), got: bob, hw1-ann" in capsys.readouterr().err
+
+    @pytest.mark.parametrize('name', ['grades.csv', 'talk.ipynb'])
+    def test_another_file_is_not_called_a_zip(self, name, tmp_path, capsys):
+        source = laid(tmp_path / 's', {name: GOOD}) / name
+
+        assert command.main(['collect', str(source)]) == command.USAGE
+        said = capsys.readouterr().err
+        assert f'{name}: expected a folder or a zip file, got a different file. Try: ' in said
 
     def test_what_is_not_there_is_one_line(self, tmp_path, capsys):
         assert command.main(['collect', str(tmp_path / 'no.zip')]) == command.USAGE

@@ -10,6 +10,7 @@ from collect_sources import (
     laid,
     LISTEN,
     MOODLE,
+    notes,
     OTHER,
     packed,
     REPOSITORIES,
@@ -60,11 +61,16 @@ class TestFolders:
         }
 
     def test_files_that_are_no_notebooks_are_in_the_table(self, gather):
-        assert table(gather({'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1'})) == {
+        files = {'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1', 'd.zip': b'PK'}
+        rows = gather(files)
+
+        assert table(rows) == {
             ('ann', 'ann.ipynb'): TAKEN,
             ('', 'bob.rar'): LEFT,
             ('', 'cy.py'): LEFT,
+            ('', 'd.zip'): LEFT,
         }
+        assert notes(rows)['d.zip'][0].startswith('a zip file. Try: collect it alone if it is a')
 
     def test_a_zip_with_a_folder_around_everything_is_a_class(self, gather):
         around = {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER}

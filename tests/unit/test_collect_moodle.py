@@ -19,9 +19,16 @@ from collect_sources import (
 )
 import pytest
 
+from autograder.classroom.collected import read_collected
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.errors import GraderError
+
+
+@pytest.fixture
+def gather(gather):
+    """Return the function that collects files, which trusts no name, as the command does."""
+    return partial(gather, trust_names=False)
 
 
 class TestMoodle:
@@ -96,9 +103,37 @@ class TestMoodle:
 
         assert row.done == LEFT
         assert row.notes[0].startswith(
-            "perhaps a different 'Li Wei': number 314 in Moodle, earlier 313"
+            "perhaps a different 'Li Wei': number 314 in Moodle, earlier 313. Try: if Moodle has "
+            'two assignments for this work, add --trust-names; '
         )
         assert taken(layout)[f'Li Wei/{TALK}/talk.ipynb'] == GOOD
+
+    def test_a_second_activity_has_new_numbers(self, gather, layout):
+        """The first download can then be collected again, and one student more is not trusted."""
+        first = self.of_moodle('Ann_0', 'Bo_1', 'Cy_2', 'Dee_3')
+        second = self.of_moodle('Ann_20', 'Bo_21', 'New_22')
+        more = self.of_moodle('Ann_20', 'Bo_21', 'Cy_23')
+        for files in (first, second, first, second):
+            assert LEFT not in {row.done for row in gather(files, packed)}
+
+        rows = gather(more, packed)
+        assert [row.student for row in rows if row.done == LEFT] == ['Cy']
+        rows = gather(more, packed, trust_names=True)
+        assert LEFT not in {row.done for row in rows}
+        numbers = {one.student: one.number for one in read_collected(layout)}
+        assert numbers == {'Ann': '0 20', 'Bo': '1 21', 'Cy': '2 23', 'Dee': '3', 'New': '22'}
+
+    def test_folders_are_renamed_only_once(self, gather):
+        """Later downloads have the same numbers; in another lesson, the name is not enough."""
+        renamed = self.of_moodle('Li Wei 7_313', "O'Neil 8_314", 'Ann_311')
+        later = self.of_moodle('Li Wei_313', "O'Neil_314", 'Ann_311', data=notebook('talker'))
+        before = {row.student for row in gather(renamed, packed)}
+
+        rows = gather(later, packed)
+        assert {row.student for row in rows} == before
+        assert "the name was 'Li Wei'" in notes(rows)['Li Wei_313_assignsubmission_file']
+        (row,) = gather(self.LISTENERS('Li Wei_501'), packed)
+        assert row.notes[0].startswith("two people are called 'Li Wei': unpack the zip")
 
     def test_another_lesson_has_other_numbers(self, gather, layout):
         """A student's number differs between lessons, and a dry run saves no numbers."""

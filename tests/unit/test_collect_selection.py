@@ -1,5 +1,6 @@
 """The choice of the notebook for an assignment, and limits on reading."""
 
+import io
 import json
 import tracemalloc
 
@@ -22,13 +23,29 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect import selection
+from autograder.collect import deliveries, selection
 from autograder.collect.deliveries import LEFT, TAKEN
 from autograder.submission.reading import UnusableUploadError
 
 RIGHT, COPY = notebook('talker', text='right'), notebook('talker', text='copy')
-MANY = 'notebooks for the assignment'
+CHOSEN = (
+    '{} was chosen, not {}: {} cells of the assignment. Try: if that is wrong, unpack the '
+    'download, delete {} and collect the folder'
+)
+PLAIN = CHOSEN.format(
+    'talk.ipynb',
+    'talk (1).ipynb, talk-Copy1.ipynb, a.ipynb',
+    'they have equally many',
+    'talk.ipynb',
+)
 STRANGE = 'it contains no cell of the assignment'
+CUT = (
+    'not a notebook, but JSON that ends in the middle, after 40 bytes. Try: ask the student to '
+    'open the notebook in JupyterLab, save it and submit the saved file'
+)
+EMPTY = (
+    'not a notebook, but an empty file. Try: ask the student to save the notebook and submit again'
+)
 
 
 COPIES = {
@@ -124,7 +141,7 @@ class TestOneAssignmentASource:
     def test_without_a_notebook_the_table_says_what_there_is(self, gather):
         (row,) = gather({'a_1_2_x.pdf': b''}, packed)
 
-        assert (row.done, row.notes) == (LEFT, ('no notebook, only x.pdf',))
+        assert (row.done, row.notes) == (LEFT, ('no notebook, only x.pdf', selection.ASK))
 
 
 class TestTheRightOne:
@@ -156,11 +173,16 @@ class TestTheRightOne:
                 {'talk.ipynb': notebook('talker'), f'old/{TALK}/x.ipynb': GOOD},
                 TALK,
                 GOOD,
-                (f'old/{TALK}/x.ipynb, one of 2 {MANY}', "the file was called 'x.ipynb'"),
+                (
+                    CHOSEN.format(
+                        f'old/{TALK}/x.ipynb', 'talk.ipynb', 'it has the most', 'x.ipynb'
+                    ),
+                    "the file was called 'x.ipynb'",
+                ),
             ),
-            (COPIES, '', RIGHT, (f'talk.ipynb, one of 4 {MANY}',)),
-            (COPIES, TALK, RIGHT, (f'talk.ipynb, one of 4 {MANY}',)),
-            ({f'{TALK}/talk.ipynb': DAMAGED, 'notes.ipynb': OWN}, '', DAMAGED, (STRANGE,)),
+            (COPIES, '', RIGHT, (PLAIN,)),
+            (COPIES, TALK, RIGHT, (PLAIN,)),
+            ({f'{TALK}/talk.ipynb': DAMAGED, 'notes.ipynb': OWN}, '', DAMAGED, (CUT,)),
         ],
         ids=['most cells', 'name', 'name of the wanted one', 'damaged notebook with the name'],
     )
@@ -170,12 +192,16 @@ class TestTheRightOne:
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': data}
         assert [(row.done, row.notes) for row in rows] == [(TAKEN, said)]
 
-    @pytest.mark.parametrize('data', [OWN, DAMAGED, b''], ids=['own', 'damaged', 'empty'])
-    def test_the_only_notebook_is_taken_without_a_cell(self, data, gather):
+    @pytest.mark.parametrize(
+        ('data', 'why'),
+        [(OWN, STRANGE), (DAMAGED, CUT), (b'', EMPTY)],
+        ids=['own', 'damaged', 'empty'],
+    )
+    def test_the_only_notebook_is_taken_without_a_cell(self, data, why, gather):
         rows = gather({'ann/talk.ipynb': data, 'bob/work.ipynb': data}, assignment=TALK)
 
         assert [(row.student, row.done) for row in rows] == [('ann', TAKEN), ('bob', TAKEN)]
-        assert all(STRANGE in row.notes for row in rows)
+        assert all(row.notes[0] == why for row in rows)
 
     @pytest.mark.parametrize(
         ('others', 'why'),
@@ -210,6 +236,83 @@ class TestTheRightOne:
             'the newest of 3 attempts with a cell of the assignment',
             'a different notebook was collected',
         ]
+
+
+def zipped(files: dict[str, bytes]) -> bytes:
+    file = io.BytesIO()
+    packed(file, files)
+    return file.getvalue()
+
+
+class TestPackedWork:
+    """Notebooks in zip files, or with another ending, are found if there is no other."""
+
+    DEEP = zipped({'c.zip': zipped({'b.zip': zipped({'talk.ipynb': GOOD})})})
+
+    @pytest.mark.parametrize(
+        ('name', 'data'),
+        [
+            ('hw.ZIP', zipped({f'work/{TALK}/talk.ipynb': GOOD, '__MACOSX/._talk.ipynb': OWN})),
+            ('a.zip', zipped({'b.zip': zipped({'talk.ipynb': GOOD}), 'c.zip': b'PK'})),
+            ('a.zip', zipped({'listen.ipynb': OTHER, 'talk.ipynb.txt': GOOD})),
+            ('talk.ipynb.txt', GOOD),
+            ('talk (1).ipynb.json', GOOD),
+            ('answers.json', GOOD),
+        ],
+        ids=['folder', 'zip in zip', 'text in zip', 'text', 'browser', 'json'],
+    )
+    @pytest.mark.parametrize('how', ['{}_5_assignsubmission_file/{}', '{}_1001_55_{}', '{}/{}'])
+    def test_it_is_taken(self, how, name, data, gather, layout):
+        files = {how.format('Ann', name): data, how.format('Ann', 'notes.txt'): b''}
+
+        gather(files, packed, assignment=TALK)
+
+        assert list(taken(layout).values()) == [GOOD]
+
+    @pytest.mark.parametrize(
+        ('name', 'data', 'why'),
+        [
+            ('a.zip', zipped({'x.pdf': b'%PDF'}), 'no notebook, only a.zip'),
+            (
+                'a.zip',
+                b'PK',
+                'a.zip: a damaged zip file (File is not a zip file); ask the student to ',
+            ),
+            ('a.zip', DEEP, 'no notebook, only a.zip'),
+            ('a.zip', zipped({'../talk.ipynb': GOOD}), 'a.zip/../talk.ipynb: a path that leads'),
+            (
+                'a.zip',
+                zipped({f'{n}.txt': b'' for n in range(2001)}),
+                'a.zip: a zip file with too many',
+            ),
+            ('settings.json', b'{"cells": []}', 'no notebook, only settings.json'),
+            ('a.rar', b'Rar!', 'no notebook, only a.rar'),
+        ],
+        ids=['other', 'damaged', 'deep', 'upwards', 'many', 'json', 'rar'],
+    )
+    def test_what_cannot_be_opened_is_reported(self, name, data, why, gather):
+        (row,) = gather({f'ann/{name}': data})
+
+        assert (row.student, row.done) == ('ann', LEFT)
+        assert row.notes[0].startswith(why)
+        assert ('no notebook' in why) == (selection.ASK in row.notes)
+
+    def test_notebooks_outside_of_a_zip_come_first(self, gather, layout):
+        """A zip next to a notebook may contain an old copy, or the whole course."""
+        old = zipped({'talk.ipynb': GOOD})
+
+        (row,) = gather({'ann/old.zip': old, 'ann/talk.ipynb': notebook('talker')})
+
+        assert row.notes == ()
+        assert list(taken(layout).values()) == [notebook('talker')]
+
+    def test_a_large_file_in_a_zip_is_refused(self, gather, monkeypatch):
+        bounds = deliveries.IN_ZIP._replace(file_bytes=len(GOOD) - 1)
+        monkeypatch.setattr(deliveries, 'IN_ZIP', bounds)
+
+        (row,) = gather({'ann/a.zip': zipped({'talk.ipynb': GOOD})})
+
+        assert row.notes[0].startswith('a.zip/talk.ipynb: more than')
 
 
 class TestBounds:

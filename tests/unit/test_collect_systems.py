@@ -21,10 +21,14 @@ from collect_sources import (
 import pytest
 
 from autograder.classroom.collected import read_not_collected
-from autograder.collect.deliveries import LEFT, TAKEN
+from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
+from autograder.collect.selection import ASK
 from autograder.submission.reading import UnusableUploadError
 
-LATE = 'late, according to Canvas; the time is unknown, so a late policy cannot apply'
+LATE = (
+    'late, according to Canvas; the time is unknown, so a late policy cannot apply. '
+    'Try: write the time into timestamp.txt (docs/gradebook.md)'
+)
 
 
 class TestCanvas:
@@ -49,11 +53,34 @@ class TestCanvas:
         )
         assert said['exampleann_1001_55077_talk-1.ipynb'] == ('the newest of 2 attempts',)
         assert said['exampleann_1001_55001_talk.ipynb'] == ('a newer notebook was collected',)
-        assert said['diaz_1004_55004_essay.pdf'] == ('no notebook, only essay.pdf',)
+        assert said['diaz_1004_55004_essay.pdf'] == ('no notebook, only essay.pdf', ASK)
         assert said['evans_1005_55005_My work (2).ipynb'] == (
             "the file was called 'My work (2).ipynb'",
         )
         assert b'second' in taken(layout)[f'1001/{TALK}/talk.ipynb']
+
+    def test_an_old_download_replaces_nothing_that_is_newer(self, gather, layout):
+        """Canvas gives each file that is handed in again a larger number."""
+        old, new, newest = (
+            {f'ann_1001_{n}_talk.ipynb': notebook('talker', text=f'{n}')} for n in (99, 100, 101)
+        )
+        done = []
+        for files in (new, old, new, newest, new):
+            (row,) = gather(files, packed)
+            done.append(row.done)
+
+        assert done == [TAKEN, LEFT, UNCHANGED, REPLACED, LEFT]
+        assert row.notes[0] == (
+            'number 100 in Canvas, older than the collected one, which has 101. '
+            'Try: to collect it anyway, delete the collected one'
+        )
+        assert b'101' in taken(layout)[f'1001/{TALK}/talk.ipynb']
+        assert not read_not_collected(layout)
+        gather({'1001/talk.ipynb': GOOD, '1002/talk.ipynb': GOOD})
+        (row,) = gather(old, packed)
+        assert row.notes == (
+            'it is unknown which notebook is newer; the other one is now in .ipynb_checkpoints/',
+        )
 
     def test_attachments_are_compared_as_numbers(self, gather, layout):
         """Attachment 99 is older than 100, and the newest counts even if a cell was deleted."""
@@ -79,7 +106,7 @@ class TestCanvas:
 
         (row,) = [row for row in rows if row.done == LEFT]
         assert (row.student, row.place, row.notes[0]) == ('1001', name, what)
-        assert (row.notes[1:] == (LATE,)) is ('LATE' in name)
+        assert (row.notes[1:] == ('late, according to Canvas',)) is ('LATE' in name)
 
     @pytest.mark.parametrize(
         'name',

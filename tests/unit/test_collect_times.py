@@ -20,12 +20,14 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
+from autograder.collect.copy_notebooks import KEPT
 from autograder.collect.course import due_dates
 from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.collect.platforms import read_time
 from autograder.collect.selection import late_notes
 from autograder.commands import OK
 
+UNKNOWN = f'it is unknown which notebook is newer; the other one is now in {KEPT}/'
 NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
 
 
@@ -209,7 +211,7 @@ class TestOlderWork:
 
         (row,) = gather(inbound(self.MONDAY))
 
-        assert (row.done, row.notes) == (REPLACED, ('it is unknown which notebook is newer',))
+        assert (row.done, row.notes) == (REPLACED, (UNKNOWN,))
         assert b'2026-03-02' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
 
@@ -223,8 +225,13 @@ class TestStaleTime:
         for write in (False, True):
             assert f'ann/{TALK}/timestamp.txt' in taken(layout)
             (row,) = gather({'ann/talk.ipynb': GOOD}, write=write)
-            assert (row.done, row.notes) == (REPLACED, ('it is unknown which notebook is newer',))
-        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
+            removed = 'the time of the replaced notebook, 2026-03-01 12:00, was removed'
+            assert (row.done, row.notes) == (REPLACED, (f'{UNKNOWN}; {removed}',))
+        old = notebook('talker', text='2026-03-01 12:00:00 UTC')
+        assert taken(layout) == {
+            f'ann/{TALK}/{KEPT}/talk-replaced.ipynb': old,
+            f'ann/{TALK}/talk.ipynb': GOOD,
+        }
         assert [row.done for row in gather({'ann/talk.ipynb': GOOD})] == [UNCHANGED]
 
     def test_the_same_work_keeps_its_time(self, gather, layout):

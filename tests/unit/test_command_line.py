@@ -145,7 +145,7 @@ def test_a_python_without_the_packages_is_one_line(tmp_path):
     assert done.returncode == command.USAGE
     (line,) = done.stderr.splitlines()
     assert line.startswith(f'autograder: {sys.executable}: this Python has no module ')
-    assert 'Try: make grade, or .venv/bin/python' in line
+    assert 'Try: make grade, or .venv/bin/autograder' in line
 
 
 def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):

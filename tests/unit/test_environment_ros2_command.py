@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from environment import doctor, install_files, ros2_command
-from environment.places import Places
+from environment.places import Places, PROJECT
 from environment.ros import describe_wheels
 
 
@@ -120,3 +120,23 @@ def test_command_without_description_says_what_to_do(places):
 
     assert done.returncode == 1
     assert 'Try: make doctor' in done.stderr
+
+
+def test_autograder_starts_the_grader_from_any_folder(places, tmp_path):
+    """Modules in the current folder, which may be a student's, are not imported."""
+    install_files.write_autograder_command(places)
+    (tmp_path / 'rich.py').write_text('raise SystemExit("this file is from a student")')
+    places.python.write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    places.python.chmod(0o755)
+
+    done = subprocess.run(
+        [places.venv / 'bin' / 'autograder', 'grade', '--jobs', 'a b'],
+        cwd=tmp_path,
+        env={'PYTHONPATH': str(PROJECT)},
+        capture_output=True,
+        text=True,
+    )
+
+    assert done.returncode == 2
+    assert done.stderr.startswith('usage: autograder grade [-h] ')
+    assert "got 'a b'" in done.stderr

@@ -1,6 +1,7 @@
 """Mistakes in an exam are refused with their place before a class is graded."""
 
 from pathlib import Path
+import re
 
 from collect_sources import laid
 import pytest
@@ -16,10 +17,20 @@ from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Scenario
-from autograder.exam.steps import Advance, Call, Feed, Join, Leave, Offer, Watch
+from autograder.exam.specification import each, Specification
+from autograder.exam.steps import Advance, Call, Feed, Join, Leave, Mark, Offer, Watch
+from autograder.judging.claims import (
+    answers,
+    beats,
+    declares,
+    hears,
+    one_for_one,
+    publishes,
+    serves,
+)
 from autograder.layout import Layout
 
-STRING = 'std_msgs/msg/String'
+STRING, SET = 'std_msgs/msg/String', 'rcl_interfaces/srv/SetParameters'
 
 
 def exam(**scenario) -> Exam:
@@ -287,3 +298,46 @@ class TestBeforeItIsUsed:
         assert line.startswith(
             "01_x: exam sample, watch '/t': std_msgs/msg/Strin is not installed"
         )
+
+
+DOUBLES = Specification([1, 2], each(lambda one: (2 * one,)))
+WRONG_CLAIMS = [
+    (hears('/in', STRING), "a topic on which the scenario publishes ('/ask'), got '/in'"),
+    (
+        publishes('doubles', '/anser'),
+        "a topic that the scenario watches ('/answer'), got '/anser'",
+    ),
+    (publishes('double', '/answer'), "a specification of Exam(asks=...) ('doubles'"),
+    (
+        one_for_one('few', '/answer'),
+        "an input of 'few' for each of the 2 messages that the scenario sends, got 1",
+    ),
+    (
+        one_for_one('bare', '/answer'),
+        "a tuple with a value per message as each answer of 'bare', got",
+    ),
+    (answers('doubles', '/a/set'), "expected a dict as each answer of 'doubles', got (2,)"),
+    (
+        serves('/set', 'std_srvs/srv/SetBool'),
+        "a service that the scenario calls ('/a/set'), got '/set'",
+    ),
+    (beats('/answer', 1.0, 'off'), "a phase that begins with a Mark ('on'), got 'off'"),
+    (declares('/a', {'rate': 2.0}), "expected the step Call(node='/a', service='get_parameters'"),
+]
+"""Claims that the exam of the test cannot answer, with the reason."""
+
+
+@pytest.mark.parametrize(('judge', 'said'), WRONG_CLAIMS)
+def test_claim_that_the_exam_cannot_answer_is_refused(judge, said):
+    """Otherwise a correct program would fail."""
+    asks = {
+        'doubles': DOUBLES,
+        'few': Specification([1], DOUBLES.due),
+        'bare': Specification([1, 2], each(lambda one: one)),
+    }
+    steps = (Mark('on'), feed('/ask', {'data': '1'}, {'data': '2'}), Call('/a', 'set', SET))
+    made = exam(feed={'/ask': STRING}, watch={'/answer': STRING}, steps=steps)
+    made.asks = asks
+
+    with pytest.raises(ExamInvalid, match=re.escape(said)):
+        made.check(points=1)(judge)

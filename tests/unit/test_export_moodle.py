@@ -49,10 +49,15 @@ def test_only_grades_change():
     assert (done.filled, done.untouched, done.left_out) == (1, 1, [])
 
 
-def test_numbers_of_collect_tell_people_with_one_name_apart():
-    """The number of the participant decides; without it, neither namesake gets a mark."""
+@pytest.mark.parametrize('number', ['313', '313 999', '99 313'])
+def test_numbers_of_collect_tell_people_with_one_name_apart(number):
+    """
+    The number of the participant decides; without it, neither namesake gets a mark.
+
+    A student who handed in twice, in two activities, has two numbers.
+    """
     data = sheet(BO, BO2)
-    done = fill({'Bo Berg': 5.0}, data, {'Bo Berg': '313'})
+    done = fill({'Bo Berg': 5.0}, data, {'Bo Berg': number})
     assert grades(done.data) == {'Participant 312': '3.00', 'Participant 313': '5'}
 
     refused = fill({'Bo Berg': 5.0}, data)

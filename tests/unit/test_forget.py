@@ -62,7 +62,9 @@ def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
     assert 'essay.pdf' in page.read_text('utf-8')
 
     assert command.main(['forget', '1001', '1004', '--yes']) == OK
-    assert 'Removed.' in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert 'Removed.' in said
+    assert 'collect a download with their work again' in said
     assert students(course) == {'1002', '1003', '1005', '1006'}
     assert [one.student for one in last_results(course, TALK)] == ['1002']
     assert 'essay.pdf' not in page.read_text('utf-8')

@@ -56,3 +56,40 @@ def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, secret):
     secret.write_bytes(b'\n')
     with pytest.raises(GraderError, match='secret: expected the course secret'):
         inputs.course_secret()
+
+
+def test_a_class_that_was_graded_keeps_its_secret(monkeypatch, secret):
+    """A missing secret is not replaced; without the fingerprint, another secret is accepted."""
+    monkeypatch.delenv('COURSE_SECRET', raising=False)
+    layout, noted = Layout.here(), secret.with_name('secret_fingerprint')
+    inputs.refuse_other_secret(layout)
+    assert not noted.exists()
+    inputs.keep_secret(layout)
+    inputs.keep_secret(layout)
+    assert inputs.course_secret() not in noted.read_bytes()
+    former = secret.read_bytes()
+
+    for content, said in {
+        None: f'{secret}: the course secret of this class is missing. ',
+        b'': f'{secret}: expected the course secret, got an empty string. ',
+        b'short': f'{secret}: this class was graded with a different course secret. ',
+    }.items():
+        secret.unlink() if content is None else secret.write_bytes(content)
+        inputs.course_secret.cache_clear()
+        with pytest.raises(GraderError) as refused:
+            inputs.refuse_other_secret(layout)
+        assert str(refused.value) == (
+            f'{said}Try: restore {secret} from a backup, or set COURSE_SECRET to the former '
+            f'value. To grade everybody again with new inputs, remove {noted}. No mark was '
+            'changed.'
+        )
+        assert secret.exists() == (content is not None)
+
+    monkeypatch.setenv('COURSE_SECRET', former.decode())
+    inputs.course_secret.cache_clear()
+    inputs.refuse_other_secret(layout)
+    monkeypatch.delenv('COURSE_SECRET')
+    noted.unlink()
+    inputs.course_secret.cache_clear()
+    inputs.keep_secret(layout)
+    assert inputs.course_secret() == b'short'

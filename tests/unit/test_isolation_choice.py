@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from types import SimpleNamespace
 
+from collect_sources import laid
 import pytest
 from rich.console import Console
 
@@ -29,8 +30,6 @@ NO_NAMESPACE = (
     'non-privileged user namespaces.'
 )
 PIVOT = 'bwrap: pivot_root: Operation not permitted'
-
-
 APPARMOR = 'proc/sys/kernel/apparmor_restrict_unprivileged_userns'
 CONTAINER = '.dockerenv'
 
@@ -38,25 +37,25 @@ CONTAINER = '.dockerenv'
 @pytest.mark.parametrize(
     ('said', 'system', 'words'),
     [
-        (UID_MAP, {APPARMOR: '1\n'}, 'apparmor_restrict_unprivileged_userns=0'),
-        (LOOPBACK, {APPARMOR: '1\n'}, '/etc/apparmor.d/bwrap'),
+        (UID_MAP, {APPARMOR: b'1\n'}, 'apparmor_restrict_unprivileged_userns=0'),
+        (LOOPBACK, {APPARMOR: b'1\n'}, '/etc/apparmor.d/bwrap'),
         (LOOPBACK, {}, '/etc/apparmor.d/bwrap'),
-        (UID_MAP, {APPARMOR: '1\n', CONTAINER: ''}, 'apparmor=unconfined'),
-        (NO_NAMESPACE, {CONTAINER: ''}, '--security-opt seccomp=grader.json'),
-        (NO_NAMESPACE, {CONTAINER: ''}, 'as a plain user'),
+        (UID_MAP, {APPARMOR: b'1\n', CONTAINER: b''}, 'apparmor=unconfined'),
+        (NO_NAMESPACE, {CONTAINER: b''}, '--security-opt seccomp=grader.json'),
+        (NO_NAMESPACE, {CONTAINER: b''}, 'as a plain user'),
         (
             "bwrap: Can't mount proc on /newroot/proc: Operation not permitted",
-            {'run/.containerenv': ''},
+            {'run/.containerenv': b''},
             'systempaths=unconfined',
         ),
         (
             NO_NAMESPACE,
-            {APPARMOR: '0\n', 'proc/sys/kernel/unprivileged_userns_clone': '0\n'},
+            {APPARMOR: b'0\n', 'proc/sys/kernel/unprivileged_userns_clone': b'0\n'},
             'kernel.unprivileged_userns_clone=1',
         ),
         (
             NO_NAMESPACE,
-            {'proc/sys/user/max_user_namespaces': '0\n'},
+            {'proc/sys/user/max_user_namespaces': b'0\n'},
             'user.max_user_namespaces=15000',
         ),
         (PIVOT, {}, '--security-opt seccomp=grader.json'),
@@ -65,47 +64,32 @@ CONTAINER = '.dockerenv'
     ],
 )
 def test_each_refusal_has_its_repair(said, system, words, tmp_path, monkeypatch):
-    """The suggested fix depends on bubblewrap's output and on the system."""
-    for name, text in system.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text, encoding='ascii')
     monkeypatch.setattr(isolation.os, 'geteuid', lambda: 1000)
 
-    assert words in fix_for(said, tmp_path)
+    assert words in fix_for(said, laid(tmp_path, system))
 
 
-@pytest.mark.parametrize('error', [PermissionError, ValueError])
-def test_a_setting_that_cannot_be_read_counts_as_absent(error, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ('uid', 'error'), [(1000, PermissionError), (1000, ValueError), (0, None)]
+)
+def test_a_setting_that_cannot_be_read_or_does_not_apply_to_root_counts_as_absent(
+    uid, error, tmp_path, monkeypatch
+):
     def refuse(*_):
         raise error
 
-    file = tmp_path / APPARMOR
-    file.parent.mkdir(parents=True)
-    file.write_text('1\n', encoding='ascii')
-    monkeypatch.setattr(Path, 'read_text', refuse)
-    monkeypatch.setattr(isolation.os, 'geteuid', lambda: 1000)
-
-    assert fix_for(NO_NAMESPACE, tmp_path) == isolation.FIX_CONTAINER
-
-
-def test_settings_that_do_not_apply_to_root_are_not_its_repair(tmp_path, monkeypatch):
-    file = tmp_path / APPARMOR
-    file.parent.mkdir(parents=True)
-    file.write_text('1\n', encoding='ascii')
-    monkeypatch.setattr(isolation.os, 'geteuid', lambda: 0)
+    laid(tmp_path, {APPARMOR: b'1\n'})
+    monkeypatch.setattr(isolation.os, 'geteuid', lambda: uid)
+    if error:
+        monkeypatch.setattr(Path, 'read_text', refuse)
 
     assert fix_for(NO_NAMESPACE, tmp_path) == isolation.FIX_CONTAINER
 
 
 def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monkeypatch):
-    """The command can be pasted into a terminal."""
     monkeypatch.setattr(choose.shutil, 'which', lambda name: None)
-    choose.strongest.cache_clear()
-    try:
-        with pytest.raises(SandboxUnavailable) as caught:
-            choose.strongest()
-    finally:
-        choose.strongest.cache_clear()
+    with pytest.raises(SandboxUnavailable) as caught:
+        choose.strongest.__wrapped__()
 
     assert 'sudo apt-get install -y bubblewrap' in caught.value.fix
     assert '--allow-weak=landlock' in caught.value.fix
@@ -159,11 +143,8 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     program.chmod(0o755)
     monkeypatch.setattr(sandbox, 'BARE', {'PATH': f'{tmp_path}:/usr/bin:/bin'})
 
-    with pytest.raises(SandboxUnavailable) as caught:
-        choose.usable(isolation.full(os.geteuid() == 0))
-
-    assert said.rstrip('.') in caught.value.what
-    assert caught.value.fix == fix
+    assert said.rstrip('.') in refused().what
+    assert refused().fix == fix
 
 
 @pytest.mark.parametrize(
@@ -194,8 +175,6 @@ def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
     ],
 )
 def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words, monkeypatch):
-    """The message contains the kernel's own error."""
-
     def ask() -> int:
         if error:
             raise OSError(error, '')
@@ -217,7 +196,6 @@ def test_a_banner_says_what_is_not_protected():
 
 
 def test_a_weak_mode_runs_one_submission_at_a_time():
-    """A banner is printed, and runs are not parallel; full isolation permits parallel runs."""
     console = Console(file=io.StringIO(), width=200)
 
     def engine(mode):
@@ -229,16 +207,11 @@ def test_a_weak_mode_runs_one_submission_at_a_time():
     assert 'WEAK ISOLATION' in console.file.getvalue()
 
 
-def weak_result() -> SubmissionResult:
-    """Return a result of a run that used only Landlock."""
+def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
     check = CheckResult('c', 'It runs.', Verdict.PASSED, 1, 1)
     lacks = isolation.not_protected('landlock')
     exam = ExamResult('talker', (check,), mode='landlock', not_protected=lacks)
-    return SubmissionResult('s', '03_topics', (exam,))
-
-
-def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
-    result = weak_result()
+    result = SubmissionResult('s', '03_topics', (exam,))
     write_all_reports(Layout(tmp_path), '03_topics', [result])
     pages = [path.read_text(encoding='utf-8') for path in tmp_path.rglob('*.*')]
     console = Console(file=io.StringIO(), width=200)
@@ -247,7 +220,7 @@ def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
     assert len(pages) == 3
     assert all('the network is shared' in page for page in pages)
     assert 'WEAK ISOLATION: landlock' in ' '.join(console.file.getvalue().split())
-    assert 'weak isolation (landlock)' in exam_text(result.exams[0])
+    assert 'weak isolation (landlock)' in exam_text(exam)
     assert SubmissionResult.from_json(result.to_json()) == result
 
 
@@ -262,10 +235,9 @@ CLOSED = (
 @pytest.fixture
 def built(tmp_path):
     """Return a description of ROS whose package has readable and closed files."""
+    names = (f'{PACKAGE}/__init__.py', *CLOSED, 'share/x.msg', 'lib/libx.so')
     workspace = tmp_path / 'workspace' / 'install' / 'temp_monitor_pkg'
-    for name in (f'{PACKAGE}/__init__.py', *CLOSED, 'share/x.msg', 'lib/libx.so'):
-        (workspace / name).parent.mkdir(parents=True, exist_ok=True)
-        (workspace / name).touch()
+    laid(workspace, dict.fromkeys(names, b''))
     (tmp_path / 'workspace' / 'build').mkdir()
     (tmp_path / 'bin').mkdir()
     return RosEnvironment('wheels', 'p', {}, {}, (str(tmp_path),), str(workspace))
@@ -286,7 +258,6 @@ def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
 
 
 def test_bubblewrap_covers_the_course_s_own_answer(built):
-    """In the sandbox, the modules and the folder of executables are empty."""
     workspace = Path(built.workspace)
     options = sandbox.Sandbox('bwrap-root', built)._masks(Program(['p']))
 
@@ -297,7 +268,6 @@ def test_bubblewrap_covers_the_course_s_own_answer(built):
 
 
 def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
-    """A claim or ports in the kernel's table show that a domain is in use."""
     monkeypatch.setattr(ros_domain, 'NAME', str(tmp_path))
     used = {7400 + 250 * domain + 10 for domain in range(1, 102) if domain != 42}
     monkeypatch.setattr(landlock, 'ports', lambda: used)
@@ -315,8 +285,7 @@ def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
 
 def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_path):
     """Files and bytes below the folder count, and links are not followed."""
-    (tmp_path / 'deep' / 'er').mkdir(parents=True)
-    (tmp_path / 'deep' / 'er' / 'file').write_bytes(b'x' * 8192)
+    laid(tmp_path, {'deep/er/file': b'x' * 8192})
     (tmp_path / 'link').symlink_to('/usr')
 
     count, size = ConfinedProgram(None, None, 0, 0, home=tmp_path).files()

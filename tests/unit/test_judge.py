@@ -24,14 +24,28 @@ def passes(run):
     """It works."""
 
 
-def fails(run):
-    """It fails."""
-    raise Failed(expected='1', observed='2', why=Cause('because', 'why', 'this'))
+def failing(**facts):
+    def fails(run):
+        """It fails."""
+        raise Failed(**{'expected': '1', 'observed': '2', **facts})
+
+    return fails
+
+
+fails = failing(why=Cause('because', 'why', 'this'))
 
 
 def breaks(run):
     """It breaks."""
     raise KeyError('ours')
+
+
+def result_of(check, files=None, points=4, **options):
+    """Return the result of an exam's only check."""
+    exam = make_exam(read='Part 1')
+    exam.check(points=points, **options)(check)
+    (result,) = judge(exam, Run(files or {}, NOTHING))
+    return result
 
 
 CODE = {'a.py': 'timer = node.create_timer(0.7, f)\nlog.info(1)\nlog.info(2)\n'}
@@ -50,17 +64,9 @@ CODE = {'a.py': 'timer = node.create_timer(0.7, f)\nlog.info(1)\nlog.info(2)\n'}
 )
 def test_cause_begins_with_the_line_of_its_act(why, line, place):
     """The line is counted in the cell; a line that the run shows takes precedence."""
-    exam = make_exam()
+    check = failing(why=why, shown_by=[{'line': line}])
 
-    def dies(run):
-        """It dies."""
-        raise Failed(expected='1', observed='2', why=why, shown_by=[{'line': line}])
-
-    exam.check(points=1)(dies)
-
-    (result,) = judge(exam, Run(CODE, NOTHING))
-
-    assert result.cause == f'{place}{why.text}'
+    assert result_of(check, CODE).cause == f'{place}{why.text}'
 
 
 def test_more_precise_cause_is_given_if_the_program_does_its_act():
@@ -78,61 +84,35 @@ def test_more_precise_cause_is_given_if_the_program_does_its_act():
 
 class TestJudge:
     def test_passed_check_earns_its_points(self):
-        exam = make_exam()
-        exam.check(points=3)(passes)
-
-        (result,) = judge(exam, Run({}, NOTHING))
+        result = result_of(passes, points=3)
 
         assert (result.verdict, result.points, result.title) == (Verdict.PASSED, 3, 'It works.')
 
     @pytest.mark.parametrize(
         ('cause_id', 'place'),
-        [
-            ('no_field', 'lesson 08, Part 5: Messages and fields'),
-            ('because', 'Part 2'),
-        ],
+        [('no_field', 'lesson 08, Part 5: Messages and fields'), ('because', 'Part 2')],
     )
     def test_exception_is_read_about_where_it_is_explained(self, cause_id, place):
-        """The section to read is that of the exception, or else that of the check."""
-        exam = make_exam(read='Part 1')
+        check = failing(why=Cause(cause_id, 'why', 'this'))
 
-        def dies(run):
-            """It lives."""
-            raise Failed(expected='1', observed='2', why=Cause(cause_id, 'why', 'this'))
-
-        exam.check(points=2, read='Part 2')(dies)
-
-        (result,) = judge(exam, Run({}, NOTHING))
-
-        assert result.read == place
+        assert result_of(check, read='Part 2').read == place
 
     def test_failure_that_blocks_nothing_costs_its_own_points_alone(self):
         """For example, the messages of a node with a wrong name are still judged."""
         exam = make_exam()
-
-        @exam.check(points=1)
-        def has_its_name(run):
-            """It has its name."""
-            raise Failed(expected='a', observed='b', blocks=False)
-
-        exam.check(points=4, needs=['has_its_name'])(passes)
+        exam.check(points=1)(failing(blocks=False))
+        exam.check(points=4, needs=['fails'])(passes)
 
         assert [one.points for one in judge(exam, Run({}, NOTHING))] == [0, 4]
 
     def test_failed_check_tells_five_things(self):
-        """The result has expected and observed values, cause, advice and section."""
-        exam = make_exam(read='Part 1')
-        exam.check(points=2)(fails)
+        result = result_of(fails)
 
-        (result,) = judge(exam, Run({}, NOTHING))
-
-        assert result.verdict is Verdict.FAILED
-        assert result.points == 0
+        assert (result.verdict, result.points) == (Verdict.FAILED, 0)
         assert (result.expected, result.observed, result.cause) == ('1', '2', 'why')
         assert (result.try_this, result.read, result.cause_id) == ('this', 'Part 1', 'because')
 
     def test_check_whose_need_failed_is_not_run_and_names_it(self):
-        """A check that cannot be judged does not count as failed."""
         exam = make_exam()
         exam.check(points=1)(fails)
         exam.check(points=4, needs=['fails'])(passes)
@@ -143,86 +123,52 @@ class TestJudge:
         assert 'It fails.' in result.observed
 
     def test_share_gives_part_of_the_points(self):
-        exam = make_exam()
-
-        @exam.check(points=4)
-        def half(run):
-            """Half."""
-            raise Failed(expected='all', observed='half', share=0.5)
-
-        assert judge(exam, Run({}, NOTHING))[0].points == 2
+        assert result_of(failing(share=0.5)).points == 2
 
     def test_broken_check_is_the_graders_fault(self):
-        """An unexpected exception in a check is not a verdict."""
-        exam = make_exam()
-        exam.check(points=1)(breaks)
-
         with pytest.raises(GraderError, match='breaks of exam sample broke: KeyError'):
-            judge(exam, Run({}, NOTHING))
+            result_of(breaks)
 
 
-class TestWorthRunning:
-    def test_run_that_waits_for_a_failed_file_check_is_not_worth_it(self):
-        """The only dynamic check needs a static one that fails."""
-        exam = make_exam()
-        exam.check(points=1, static=True)(fails)
-        exam.check(points=1, needs=['fails'])(passes)
+@pytest.mark.parametrize(
+    ('needs', 'worth'),
+    [
+        pytest.param({'passes': ['fails']}, False, id='waits for a failed file check'),
+        pytest.param({'passes': []}, True, id='independent'),
+        pytest.param({'passes': ['fails'], 'breaks': ['passes']}, False, id='blocking passes on'),
+    ],
+)
+def test_run_is_worth_it_if_a_check_can_be_judged(needs, worth):
+    exam = make_exam()
+    exam.check(points=1, static=True)(fails)
+    for name, needed in needs.items():
+        exam.check(points=1, needs=needed)({'passes': passes, 'breaks': breaks}[name])
 
-        assert not worth_running(exam, {})
-
-    def test_independent_check_makes_the_run_worth_it(self):
-        """One dynamic check that needs no failed check is enough for a run."""
-        exam = make_exam()
-        exam.check(points=1, static=True)(fails)
-        exam.check(points=1)(passes)
-
-        assert worth_running(exam, {})
-
-    def test_blocking_passes_on(self):
-        exam = make_exam()
-        exam.check(points=1, static=True)(fails)
-        exam.check(points=1, needs=['fails'])(passes)
-
-        @exam.check(points=1, needs=['passes'])
-        def later(run):
-            """Later."""
-
-        assert not worth_running(exam, {})
+    assert worth_running(exam, {}) is worth
 
 
 class TestExam:
-    def test_unknown_need_is_refused_with_the_earlier_names(self):
-        """The message lists the names of earlier checks."""
+    @pytest.mark.parametrize(
+        ('options', 'judged', 'said'),
+        [
+            ({'needs': ['pases']}, fails, r"needs 'pases'.*Earlier checks: passes"),
+            ({}, passes, 'used twice'),
+            # If a check without points were missing, nobody would notice.
+            ({'points': 0}, fails, 'points > 0'),
+            # Learners read the docstring as the sentence of the check.
+            ({}, lambda run: None, 'no docstring'),
+            ({'again': True}, fails, 'judges a second start'),
+        ],
+        ids=['unknown need', 'name used twice', 'no points', 'no docstring', 'no second start'],
+    )
+    def test_mistake_in_a_check_is_refused(self, options, judged, said):
         exam = make_exam()
         exam.check(points=1)(passes)
 
-        with pytest.raises(ExamInvalid, match=r"needs 'pases'.*Earlier checks: passes"):
-            exam.check(points=1, needs=['pases'])(fails)
-
-    def test_name_used_twice_is_refused(self):
-        """Two checks with the same name could not be distinguished."""
-        exam = make_exam()
-        exam.check(points=1)(passes)
-
-        with pytest.raises(ExamInvalid, match='used twice'):
-            exam.check(points=1)(passes)
-
-    def test_check_without_points_is_refused(self):
-        """If a check without points were missing, nobody would notice."""
-        with pytest.raises(ExamInvalid, match='points > 0'):
-            make_exam().check(points=0)(passes)
-
-    def test_check_without_docstring_is_refused(self):
-        """Learners read the docstring as the sentence of the check."""
-
-        def silent(run):
-            pass
-
-        with pytest.raises(ExamInvalid, match='no docstring'):
-            make_exam().check(points=1)(silent)
+        with pytest.raises(ExamInvalid, match=said):
+            exam.check(**{'points': 1, **options})(judged)
 
     def test_check_of_a_run_is_refused_where_nothing_runs(self):
-        """An exam that judges only files has only static checks and runs no program."""
         exam = make_exam(scenario=Scenario(program=''))
         exam.check(points=1, static=True)(passes)
 
@@ -233,10 +179,7 @@ class TestExam:
 
 
 class TestSecondStart:
-    """A check may judge the second start of the program."""
-
     def test_check_sees_only_its_own_start(self):
-        """Without a recording of the second start, the check sees no events."""
         exam = make_exam(scenario=Scenario(file='a.py', again=Scenario(file='a.py')), requires=())
         seen = []
 
@@ -250,10 +193,6 @@ class TestSecondStart:
             judge(exam, Run(CODE, recording))
 
         assert seen == [['mark'], []]
-
-    def test_scenario_has_to_start_the_program_again(self):
-        with pytest.raises(ExamInvalid, match='judges a second start'):
-            make_exam(scenario=Scenario(file='a.py')).check(points=1, again=True)(passes)
 
     def test_mistake_in_the_second_start_is_found(self):
         with pytest.raises(ExamInvalid, match='again, step 1'):

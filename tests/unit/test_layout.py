@@ -10,6 +10,7 @@ from autograder.layout import CHOSEN, Layout, read_facts
 from environment.places import FILE, stated
 
 ROOT = Path(__file__).resolve().parents[2]
+NO_COURSE = f'this is not a course folder; it has no {FILE}'
 
 
 @pytest.mark.parametrize(
@@ -30,30 +31,23 @@ def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
     assert str(caught.value).startswith(f'{tmp_path / FILE}: {said}')
 
 
-def test_what_the_file_leaves_out_is_usual(tmp_path):
-    """A course without a package needs only one line."""
-    (tmp_path / FILE).write_text("name = 'doors'")
-
-    course = Layout(tmp_path)
-    assert (course.facts.name, course.facts.package) == ('doors', '')
-    assert course.exams == tmp_path / 'exams'
-
-
 @pytest.mark.parametrize(
     ('text', 'facts'),
     [
-        ('', ('', 'autograder/_work')),
-        ("package = 'doors_msgs'\nwork = '_work'", ('doors_msgs', '_work')),
-        ('package = "a_b" # ours\nwork="w"\n[messages]', ('a_b', 'w')),
+        ('', ('course', '', 'autograder/_work')),
+        ("name = 'doors'", ('doors', '', 'autograder/_work')),
+        ("package = 'num_msgs'\nwork = '_work'", ('course', 'num_msgs', '_work')),
+        ('package = "a_b" # ours\nwork="w"\n[messages]', ('course', 'a_b', 'w')),
     ],
 )
 def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
     """The set-up has the same defaults, and reads the file without a library for TOML."""
     (tmp_path / FILE).write_text(text)
 
-    found = Layout(tmp_path).facts
-    assert (found.package, found.work) == facts
-    assert tuple(stated(tmp_path, name) for name in ('package', 'work')) == facts
+    course = Layout(tmp_path)
+    assert (course.facts.name, course.facts.package, course.facts.work) == facts
+    assert course.exams == tmp_path / 'exams'
+    assert tuple(stated(tmp_path, name) for name in ('package', 'work')) == facts[1:]
 
 
 def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
@@ -68,27 +62,21 @@ class TestHere:
     """The course that is used if none is named."""
 
     def test_it_is_the_one_that_was_chosen(self, tmp_path, monkeypatch):
-        (tmp_path / FILE).touch()
+        """Without the error, a different course could be graded."""
         monkeypatch.setenv(CHOSEN, str(tmp_path))
+        with pytest.raises(GraderError, match=NO_COURSE):
+            Layout.here()
+        (tmp_path / FILE).touch()
         assert Layout.here().root == tmp_path
 
-    def test_a_folder_without_a_course_is_refused(self, tmp_path, monkeypatch):
-        """Without this error, a different course could be graded."""
-        monkeypatch.setenv(CHOSEN, str(tmp_path))
-        with pytest.raises(GraderError, match=f'this is not a course folder; it has no {FILE}'):
-            Layout.here()
-
     def test_it_is_the_one_around_the_folder(self, tmp_path, monkeypatch):
-        """The course that contains the folder is used, or else the one with the grader."""
         inside = tmp_path / 'notebooks' / '01_doors'
         inside.mkdir(parents=True)
         monkeypatch.delenv(CHOSEN, raising=False)
         monkeypatch.chdir(inside)
         assert Layout.here().root == ROOT
         monkeypatch.setattr(layout, 'PROJECT', tmp_path)
-        with pytest.raises(
-            GraderError, match=f'{inside}: this is not a course folder; it has no {FILE}'
-        ):
+        with pytest.raises(GraderError, match=f'{inside}: {NO_COURSE}'):
             Layout.here()
         (tmp_path / FILE).touch()
         assert Layout.here().root == tmp_path

@@ -2,12 +2,11 @@
 
 from itertools import combinations
 
+from handmade_runs import graph, message, publisher, run_of, sent, why
 import pytest
 
 from autograder.exam import catalog
-from autograder.exam.exam import Failed, Run
 from autograder.exam.specification import Specification
-from autograder.recording import Recording
 from exams.visible import inspector, limit_keeper, pilot
 from exams.visible.limit_keeper import LIMIT, Reading
 from exams.visible.pilot import joining, PilotInput
@@ -15,42 +14,19 @@ from exams.visible.pilot import joining, PilotInput
 SECRETS = [str(number) for number in range(10)]
 
 
-def beat(at_s):
-    """Return a heartbeat."""
-    return {'event': 'message', 'topic': '/alive', 'clock_ns': round(at_s * 1e9), 'data': {}}
+def test_nothing_is_due_before_all_have_come_and_a_stop_while_one_is_old():
+    stop = (0.0, 0.0)
+    rows = [
+        (PilotInput(0, 0.5, 0.5), ()),
+        (PilotInput(1, 0.2, 2.5), ((0.5, 0.2), stop)),
+        (PilotInput(1, 0.3, 0.5), (stop,)),
+        (PilotInput(0, 0.0, 0.5), ((0.0, 0.3),)),
+    ]
+    inputs, due = zip(*rows)
 
-
-def result(at_s, text='CAT'):
-    return {**beat(at_s), 'topic': '/results', 'data': {'data': text}, 'after_input': 0}
-
-
-def run_of(exam, *events):
-    """Return a run that ended as planned."""
-    ends = ({'event': 'end', 'reason': 'complete'}, {'event': 'process'})
-    return Run({'n.py': ''}, Recording({}, (*events, *ends)), exam.facts)
-
-
-class TestJoining:
-    rule = staticmethod(joining())
-
-    def test_nothing_is_due_before_all_have_come(self):
-        assert self.rule([PilotInput(0, 0.5, 1.0), PilotInput(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
-
-    def test_stop_is_due_while_one_is_old(self):
-        """Once both inputs are fresh again, the latest value of each is due."""
-        inputs = [
-            PilotInput(0, 0.5, 0.5),
-            PilotInput(1, 0.2, 2.5),
-            PilotInput(1, 0.3, 0.5),
-            PilotInput(0, 0.0, 0.5),
-        ]
-
-        assert self.rule(inputs) == [
-            (),
-            ((0.5, 0.2), (0.0, 0.0)),
-            ((0.0, 0.0),),
-            ((0.0, 0.3),),
-        ]
+    assert joining()(inputs) == list(due)
+    both = [PilotInput(0, 0.5, 1.0), PilotInput(1, 0.2, 1.0)]
+    assert joining()(both) == [(), ((0.5, 0.2),)]
 
 
 def ticked(inputs, begins_s):
@@ -91,43 +67,12 @@ class TestInputsOfThePilot:
 
 
 def test_command_before_both_have_come_is_reported():
-    """A command before both inputs have arrived has the cause ``begins_early``."""
-    early = {
-        'event': 'message',
-        'topic': '/cmd_vel',
-        'clock_ns': 500_000_000,
-        'after_input': None,
-        'data': {},
-    }
-    end = {'kind': 'publisher', 'topic': '/cmd_vel', 'type': pilot.TWIST, 'node': '/pilot'}
-    graph = {'event': 'graph', 'when': 'end', 'nodes': ['/pilot'], 'endpoints': [end]}
+    early = message(0.5, '/cmd_vel', after_input=None)
+    seen = graph(publisher('/cmd_vel', '/pilot', pilot.TWIST))
 
-    with pytest.raises(Failed) as failed:
-        pilot.waits_for_both(run_of(pilot.exam, early, graph))
-    assert failed.value.why == pilot.WHY['begins_early']
+    found = why(pilot.waits_for_both, run_of(early, seen, facts=pilot.exam.facts))
 
-
-class TestHeartbeat:
-    quiet = tuple(beat(half / 2) for half in range(1, 7))
-
-    def test_timer_that_waits_for_each_picture_is_reported(self):
-        """Heartbeats arrive before the first picture and after the result."""
-        run = run_of(inspector.exam, *self.quiet, result(4.4), beat(4.4), beat(4.5))
-
-        assert inspector.why_starved(run).cause_id == 'starved'
-
-    @pytest.mark.parametrize(
-        'events',
-        [
-            (*quiet, beat(3.5), beat(4.0), result(4.4)),
-            (beat(3.2), result(4.4), beat(5.7), result(6.9)),
-            quiet,
-        ],
-        ids=['goes on', 'beats with the pictures', 'no result'],
-    )
-    def test_other_heartbeats_are_not(self, events):
-        """A cause is named only if all messages fit it."""
-        assert inspector.why_starved(run_of(inspector.exam, *events)) is None
+    assert found == pilot.WHY['begins_early']
 
 
 @pytest.mark.parametrize(
@@ -136,29 +81,20 @@ class TestHeartbeat:
 )
 def test_picture_that_is_not_inspected_once_is_reported(ends_s, cause_id):
     """In the visible exam, the third picture equals an earlier one."""
-    sent = [
-        {'event': 'input', 'index': place, 'clock_ns': round(at_s * 1e9)}
-        for place, at_s in enumerate((3.2, 4.4, 7.5))
-    ]
-    run = run_of(inspector.exam, *sent, *map(result, ends_s))
+    results = [message(one, '/results', {'data': 'CAT'}, after_input=0) for one in ends_s]
+    run = run_of(*sent(3.2, 4.4, 7.5), *results, facts=inspector.exam.facts)
 
-    with pytest.raises(Failed) as failed:
-        inspector.inspects_one_at_a_time(run)
-
-    assert failed.value.why.cause_id == cause_id
+    assert why(inspector.inspects_one_at_a_time, run).cause_id == cause_id
 
 
-class TestLimits:
-    def test_node_is_judged_by_the_limits_that_it_accepts(self):
-        """A node that accepts NaN never warns again, and loses points only once."""
-        changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
-        sent = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
-        rule = limit_keeper.warns()
-        asked = Specification(sent, rule)
+@pytest.mark.parametrize(
+    ('accepted', 'due'),
+    [((True, False, True), [1, 1, 1, 1]), ((True, True, True), [1, 1, 0, 0]), ((), [1, 1, 1, 1])],
+)
+def test_node_is_judged_by_the_limits_that_it_accepts(accepted, due):
+    """A node that accepts NaN never warns again, and loses points only once."""
+    changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
+    readings = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
+    asked = Specification(readings, limit_keeper.warns())
 
-        def due(*accepted):
-            return limit_keeper.in_force(asked, changes, accepted).answers
-
-        assert due(True, False, True) == [1, 1, 1, 1]
-        assert due(True, True, True) == [1, 1, 0, 0]
-        assert due() == [1, 1, 1, 1]
+    assert limit_keeper.in_force(asked, changes, accepted).answers == due

@@ -37,18 +37,15 @@ def vscode_slug(text):
 @pytest.fixture
 def solutions(tmp_path):
     """Return the sources of a course with three lessons; the last one needs the first one."""
-    folder = tmp_path / 'solutions'
-    for name, facts in (('01_a', None), ('02_b', None), ('03_c', {'needs': ['01']})):
+    for name, metadata in (('01_a', {}), ('02_b', {}), ('03_c', {'lesson': {'needs': ['01']}})):
         cells = [new_markdown_cell(f'# Title {name[3:]}'), new_markdown_cell('## Part 1: Go')]
-        metadata = {'lesson': facts} if facts else {}
-        path = folder / name / f'{name[3:]}.ipynb'
-        path.parent.mkdir(parents=True)
-        nbformat.write(new_notebook(cells=cells, metadata=metadata), path)
-    return folder
+        folder = tmp_path / 'solutions' / name
+        folder.mkdir(parents=True)
+        nbformat.write(new_notebook(cells=cells, metadata=metadata), folder / f'{name[3:]}.ipynb')
+    return folder.parent
 
 
 def test_contents_name_what_a_lesson_needs(solutions):
-    """A lesson needs the previous lesson, unless its metadata names other lessons."""
     lessons = outlines(solutions)
 
     assert contents(lessons, 0).splitlines()[0] == '**In this lesson.**'
@@ -58,7 +55,6 @@ def test_contents_name_what_a_lesson_needs(solutions):
 
 
 def test_last_lesson_has_no_next_one(solutions):
-    """The last lesson leads back to the map, if the course has one."""
     lessons = outlines(solutions)
 
     assert next_lesson(lessons, 1) == '*Next lesson:* [03 Title c](../03_c/c.ipynb)'
@@ -76,7 +72,6 @@ def test_needed_lesson_that_does_not_exist_is_named(solutions):
 
 
 def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
-    """The other cells of START_HERE are copied."""
     release = tmp_path / 'release'
     release.mkdir()
     start_here(solutions, release)
@@ -91,7 +86,6 @@ def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
 
 
 def test_make_lab_opens_a_page_that_exists():
-    """If the page did not exist, JupyterLab would show an error."""
     root = Layout.here().root
     makefile = (root / 'Makefile').read_text(encoding='utf-8')
     found = re.search(r'default_url=/lab/tree/(\S+)', makefile)
@@ -102,7 +96,6 @@ def test_make_lab_opens_a_page_that_exists():
 
 @pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path):
-    """Every link leads to a heading in the lesson."""
     cells = nbformat.read(path, as_version=4).cells
     outline = read_outline(path)
     shown = cells[1].source
@@ -165,15 +158,15 @@ def test_links_in_outputs_lead_to_the_cell_of_a_heading_in_jupyterlab(path, show
 
 def test_links_in_outputs_remain_if_the_heading_is_not_found(shown, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    Path('text.ipynb').write_text('Not a notebook')
-    Path('list.ipynb').write_text('{"cells": [1]}')
-    nbformat.write(new_notebook(cells=[new_markdown_cell('## Part 1')]), 'other.ipynb')
+    other = new_notebook(cells=[new_markdown_cell('## Part 1')])
     old = {'cells': [{'cell_type': 'markdown', 'source': ['## Setup']}]}
-    Path('without_ids.ipynb').write_text(json.dumps(old))
+    texts = (None, 'Not a notebook', '{"cells": [1]}', nbformat.writes(other), json.dumps(old))
 
-    for name in ('missing', 'text', 'list', 'other', 'without_ids'):
-        link = f'<a href="{name}.ipynb#Setup">'
-        assert shown(f'{name}.ipynb#Setup', '5f2e') == link
+    for number, text in enumerate(texts):
+        if text is not None:
+            Path(f'{number}.ipynb').write_text(text)
+        link = f'{number}.ipynb#Setup'
+        assert shown(link, '5f2e') == f'<a href="{link}">'
 
 
 def test_start_here_names_the_points_that_a_person_gives():
@@ -188,7 +181,6 @@ def test_start_here_names_the_points_that_a_person_gives():
 
 
 def test_executed_lesson_gets_the_date_and_no_outputs(solutions, monkeypatch):
-    """A lesson that fails is reported and remains unchanged."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(solutions.parent)))
 
     class Client:

@@ -1,8 +1,11 @@
 """The files of a message package, and the causes of their failures."""
 
+import re
+
+from handmade_runs import failure
 import pytest
 
-from autograder.exam.exam import Failed, Run
+from autograder.exam.exam import Run
 from autograder.judging.message_package import require_declarations, require_fields, why_no_build
 from autograder.recording import Recording
 from exams.visible import station_message, temperature_message
@@ -56,27 +59,17 @@ DEFAULTS = {
 }
 
 
-def failure(check, *given):
-    """Return the failure of a check."""
-    with pytest.raises(Failed) as failed:
-        check(*given)
-    return failed.value
-
-
 def station(text):
     """Return a run whose only file is Station.msg."""
     return Run({'msg/Station.msg': text}, Recording({}, ()))
 
 
 class TestFields:
-    """Fields are compared by type, name and order."""
-
     @pytest.mark.parametrize(
         'text',
         [RIGHT, RIGHT.replace(' ', '\t'), f'# stamp unit\nuint8 A=1\n{RIGHT}uint8 B = 2 # x\n'],
     )
     def test_correct_fields_pass_in_any_layout(self, text):
-        """Comments, spaces and constants do not count."""
         require_fields(text, WANTED)
 
     @pytest.mark.parametrize('cause', MISTAKES)
@@ -99,15 +92,11 @@ class TestFields:
         assert failed.why.text.endswith('Also fix: str unit')
 
     def test_many_lines_earn_nothing(self):
-        """A file with all possible lines earns no points."""
         assert failure(require_fields, RIGHT + 'bool b\n' * 9, WANTED).share == 0.0
 
 
 class TestDeclarations:
-    """package.xml may declare a dependency in any way that REP 149 permits."""
-
     def test_other_tags_that_say_the_same_pass(self):
-        """A build_depend and an exec_depend together equal a depend."""
         require_declarations(MANIFEST, 'words')
 
     @pytest.mark.parametrize('line', MANIFEST.splitlines()[1:-1])
@@ -118,7 +107,6 @@ class TestDeclarations:
         assert 0 < failed.share < 0.5
 
     def test_a_tag_that_says_something_else_is_named(self):
-        """A test_depend is not a dependency of the package's users."""
         text = MANIFEST.replace(
             'depend>rosidl_default_runtime</', 'test_depend>rosidl_default_runtime</test_'
         )
@@ -126,7 +114,6 @@ class TestDeclarations:
         assert '<test_depend>' in failure(require_declarations, text, 'words').why.text
 
     def test_what_is_no_xml_is_said_to_be_none(self):
-        """The failure shows the line of the mistake."""
         failed = failure(require_declarations, MANIFEST.replace('</name>', '<name>'), 'words')
 
         assert failed.why.cause_id == 'xml'
@@ -142,7 +129,6 @@ class TestStation:
 
     @pytest.mark.parametrize('one', ['1', '01', '0x1', '0b1', '  1  # late'])
     def test_numbers_are_read_as_the_generators_read_them(self, one):
-        """The value of a constant may be written in several ways."""
         station_message.names_the_states(station(STATES.replace('STALE=1', f'STALE = {one}')))
 
     @pytest.mark.parametrize('cause', DEFAULTS)
@@ -152,46 +138,35 @@ class TestStation:
         assert failure(station_message.starts_at_the_lowest, run).why.cause_id == cause
 
 
+MISMATCH = "package name 'b' in '/x' does not match current PROJECT_NAME 'a'. You must"
+NO_IMPORT = 'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
+
+
 class TestBuild:
-    @staticmethod
-    def built(**process):
-        event = {
-            'event': 'process',
-            'exit': 1,
-            'killed': '',
-            'stdout': '',
-            'stderr': '',
-            **process,
-        }
-        return why_no_build(Run({'CMakeLists.txt': 'project(a)\n'}, Recording({}, (event,))))
+    @pytest.mark.parametrize(
+        ('process', 'cause_id', 'words'),
+        [
+            ({'killed': 'cpu_limit', 'stderr': 'CMake Error: half a word'}, 'cpu_limit', '30 s'),
+            # Virtual time stands still during a build, so a limit ends a build that waits.
+            (
+                {'exit': None, 'killed': 'waits_outside'},
+                'waits_outside',
+                'too long for something outside',
+            ),
+            ({'stderr': MISMATCH}, 'name_mismatch', r'^CMakeLists\.txt, line 1: '),
+            # The package builds, but programs cannot import its message.
+            ({'stderr': f'{NO_IMPORT}ModuleNotFoundError: x'}, 'no_messages', ''),
+            ({'stderr': 'foo.c:1:2: error: no such thing\n'}, 'build', 'no such thing'),
+        ],
+    )
+    def test_failed_build_has_its_cause(self, process, cause_id, words):
+        facts = {'exit': 1, 'killed': '', 'stdout': '', 'stderr': '', **process}
+        event = {'event': 'process', **facts}
 
-    def test_a_limit_is_no_error_of_the_tools(self):
-        cause = self.built(killed='cpu_limit', stderr='CMake Error: half a word')
+        cause = why_no_build(Run({'CMakeLists.txt': 'project(a)\n'}, Recording({}, (event,))))
 
-        assert cause.cause_id == 'cpu_limit'
-        assert '30 s' in cause.text
-
-    def test_build_that_waits_forever_is_said_to_wait(self):
-        """Virtual time stands still during a build, so a limit ends a build that waits."""
-        cause = self.built(exit=None, killed='waits_outside')
-
-        assert cause.cause_id == 'waits_outside'
-        assert 'too long for something outside' in cause.text
-
-    def test_a_known_error_is_named_with_its_line(self):
-        said = "package name 'b' in '/x' does not match current PROJECT_NAME 'a'. You must"
-        cause = self.built(stderr=said)
-
-        assert cause.cause_id == 'name_mismatch'
-        assert cause.text.startswith('CMakeLists.txt, line 1: ')
-
-    def test_a_build_that_makes_no_message_is_named(self):
-        """The package builds, but programs cannot import its message."""
-        said = (
-            'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
-        )
-
-        assert self.built(stderr=f'{said}ModuleNotFoundError: x').cause_id == 'no_messages'
+        assert cause.cause_id == cause_id
+        assert re.search(words, cause.text)
 
     @pytest.mark.parametrize(
         ('target', 'missing'), [('words', False), ('${PROJECT_NAME}', False), ('word', True)]
@@ -206,9 +181,3 @@ class TestBuild:
         failed = failure(temperature_message.generates_the_interface, run)
 
         assert ('"msg/Temperature.msg"' in failed.observed) is missing
-
-    def test_an_unknown_error_is_shown(self):
-        cause = self.built(stderr='foo.c:1:2: error: no such thing\n')
-
-        assert cause.cause_id == 'build'
-        assert 'no such thing' in cause.text

@@ -1,9 +1,8 @@
 """The exam with two message types: causes of wrong values and stamps."""
 
+from handmade_runs import cause_id_of, failure, graph, message, publisher, run_of, sent
 import pytest
 
-from autograder.exam.exam import Failed, Run
-from autograder.recording import Recording
 from exams.visible.milli_reader import (
     build,
     divides_by_a_thousand,
@@ -14,14 +13,17 @@ from exams.visible.milli_reader import (
 )
 
 answers_one_for_one = next(one.judge for one in exam.checks if one.name == 'answers_one_for_one')
+FACTS = build((1234, 5678), ('oven', 'fridge')).facts
+BEGIN = (graph(publisher(TARGET, '/n', TARGET_TYPE)), *sent(0.0, 0.0))
 
 
-def run_of(events) -> Run:
-    """Return a run with two numbers, sent one after the other."""
-    return Run({}, Recording({}, tuple(events)), build((1234, 5678), ('oven', 'fridge')).facts)
+def reading(place, value, clock_s=0.0):
+    return message(clock_s, TARGET, {'temperature_value': value}, after_input=place)
 
 
-SENT = [{'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place in range(2)]
+def judged(check, *events):
+    """Return the id of the cause for which a check fails, or None if it passes."""
+    return cause_id_of(check, run_of(*events, facts=FACTS))
 
 
 @pytest.mark.parametrize(
@@ -37,28 +39,9 @@ SENT = [{'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place 
     ids=str,
 )
 def test_each_number_has_one_reading(indexes, cause):
-    """Each reading must be published before the next number is sent."""
-    end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
-    graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
-    read = [
-        {
-            'event': 'message',
-            'topic': TARGET,
-            'after_input': index,
-            'clock_ns': 0,
-            'data': {'temperature_value': (1.234, 5.678)[index or 0]},
-        }
-        for index in indexes
-    ]
-    run = run_of([graph, *SENT, *read])
-    if cause is None:
-        answers_one_for_one(run)
-        return
-    with pytest.raises(Failed) as failed:
-        answers_one_for_one(run)
+    read = [reading(index, (1.234, 5.678)[index or 0]) for index in indexes]
 
-    assert failed.value.why is not None
-    assert failed.value.why.cause_id == cause
+    assert judged(answers_one_for_one, *BEGIN, *read) == cause
 
 
 @pytest.mark.parametrize(
@@ -77,27 +60,10 @@ def test_each_number_has_one_reading(indexes, cause):
 )
 def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
     """The ROS clock of this exam advances in steps of a quarter of a second."""
-    data = {'timestamp': {'sec': sec, 'nanosec': nanosec}}
-    run = run_of(
-        [
-            {'event': 'input', 'index': 0, 'clock_ns': 3_550_000_000},
-            {
-                'event': 'message',
-                'topic': TARGET,
-                'clock_ns': 3_850_000_000,
-                'after_input': 0,
-                'data': data,
-            },
-        ]
-    )
-    if cause is None:
-        stamps_with_its_own_clock(run)
-        return
-    with pytest.raises(Failed) as failed:
-        stamps_with_its_own_clock(run)
+    stamp = {'timestamp': {'sec': sec, 'nanosec': nanosec}}
+    read = message(3.85, TARGET, stamp, after_input=0)
 
-    assert failed.value.why is not None
-    assert failed.value.why.cause_id == cause
+    assert judged(stamps_with_its_own_clock, *sent(3.55), read) == cause
 
 
 @pytest.mark.parametrize(
@@ -111,37 +77,14 @@ def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
     ],
 )
 def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
-    """1234 thousandths are 1.234; a different result shows the mistake."""
-    events = [
-        {
-            'event': 'message',
-            'topic': TARGET,
-            'after_input': place,
-            'data': {'temperature_value': value},
-        }
-        for place, value in enumerate(values)
-    ]
-    with pytest.raises(Failed) as failed:
-        divides_by_a_thousand(run_of([*SENT, *events]))
-
-    assert failed.value.why is not None
-    assert failed.value.why.cause_id == cause
+    assert judged(divides_by_a_thousand, *BEGIN, *map(reading, range(2), values)) == cause
 
 
 def test_unrecorded_large_message_counts_as_extra_answer():
-    """The message counts, although its data was not recorded."""
-    end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
-    graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
-    large = {'event': 'message', 'topic': TARGET, 'after_input': 0, 'clock_ns': 0}
-    right = [
-        {**large, 'after_input': place, 'data': {'temperature_value': value}}
-        for place, value in enumerate((1.234, 5.678))
-    ]
-    with pytest.raises(Failed) as failed:
-        answers_one_for_one(run_of([graph, *SENT, large, *right]))
-    alone = run_of([graph, *SENT, large])
-    stamps_with_its_own_clock(alone)
-    with pytest.raises(Failed):
-        divides_by_a_thousand(alone)
+    large = reading(0, 0.0)
+    del large['data']
+    right = map(reading, range(2), (1.234, 5.678))
 
-    assert failed.value.why.cause_id == 'several_answers'
+    assert judged(answers_one_for_one, *BEGIN, large, *right) == 'several_answers'
+    assert judged(stamps_with_its_own_clock, *BEGIN, large) is None
+    failure(divides_by_a_thousand, run_of(*BEGIN, large, facts=FACTS))

@@ -1,41 +1,32 @@
 """Missing log lines: the cause says where the output went, and blames no correct line."""
 
+from handmade_runs import graph, run_of
 import pytest
 
-from autograder.exam.exam import Run
 from autograder.judging.causes import missing_logs as unlogged
-from autograder.recording import ERROR, INFO, Recording, WARN
+from autograder.recording import ERROR, INFO, WARN
 
 OWN = '[WARN] [lab.a]: Too warm: 37.42\n'
-GRAPH = {'event': 'graph', 'when': 'end', 'nodes': ['/lab/a'], 'endpoints': []}
 WARNING = {'event': 'log', 'name': 'lab.a', 'level': WARN, 'text': 'Too warm: 37.42'}
 
 
-def run_of(*events, code='', **process):
-    ends = [{'event': 'end', 'reason': 'complete'}, {'event': 'process', **process}]
-    return Run({'a.py': code}, Recording({}, (GRAPH, *events, *ends)))
-
-
-def why(run, found=(), level=INFO, belongs=lambda text: '37.42' in text):
+def why(*events, found=(), level=INFO, belongs=lambda text: '37.42' in text, **facts):
     """Return the id of the cause for the missing line that should show 37.42."""
+    run = run_of(graph(nodes=['/lab/a']), *events, **facts)
     cause = unlogged.why_not_logged(run, found, level, belongs)
     return cause and cause.cause_id
 
 
-def test_own_lines_on_standard_output_are_not_printed():
-    """ROS also writes log lines to standard output, so a number there is no proof of print()."""
-    assert why(run_of(WARNING, stdout=OWN)) is None
-
-
 def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
-    """A warning about something else does not replace the line."""
-    assert why(run_of(WARNING), [WARNING]) == 'wrong_level'
-    assert why(run_of(WARNING), [{**WARNING, 'text': 'silence'}]) is None
+    assert why(WARNING, found=[WARNING]) == 'wrong_level'
+    assert why(WARNING, found=[{**WARNING, 'text': 'silence'}]) is None
 
 
 @pytest.mark.parametrize(
     ('printed', 'cause_id'),
     [
+        # ROS also writes log lines to standard output, so a number there is no proof of print().
+        ('', None),
         ('37.42 degrees\n', 'print_instead_of_logger'),
         ('37.42 degrees' + OWN, 'print_instead_of_logger'),
         ('ready\n', None),
@@ -48,22 +39,20 @@ def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
     ],
 )
 def test_line_that_is_elsewhere_is_found_among_those_of_the_node(printed, cause_id):
-    """A node may log one thing correctly and print another."""
-    assert why(run_of(WARNING, stdout=OWN + printed)) == cause_id
+    assert why(WARNING, stdout=OWN + printed) == cause_id
 
 
 def test_second_line_of_a_log_text_is_not_printed():
     """The second line of a logged string has no level in front of it."""
     entry = {**WARNING, 'text': 'Too warm:\n37.42'}
 
-    assert why(run_of(entry, stdout='[WARN] [lab.a]: Too warm:\n37.42\n')) is None
+    assert why(entry, stdout='[WARN] [lab.a]: Too warm:\n37.42\n') is None
 
 
 def test_any_printed_line_counts_where_nothing_is_logged():
-    """If nothing is logged, any printed line counts, whatever it shows."""
-    assert why(run_of(stdout='too hot\n')) == 'print_instead_of_logger'
-    assert why(run_of(stdout='too hot\n'), belongs=None) == 'print_instead_of_logger'
-    assert why(run_of(WARNING, stdout='hot\n'), level=WARN, belongs=None) is None
+    assert why(stdout='too hot\n') == 'print_instead_of_logger'
+    assert why(stdout='too hot\n', belongs=None) == 'print_instead_of_logger'
+    assert why(WARNING, stdout='hot\n', level=WARN, belongs=None) is None
 
 
 @pytest.mark.parametrize(
@@ -80,4 +69,4 @@ def test_any_printed_line_counts_where_nothing_is_logged():
 )
 def test_hidden_level_is_named_only_if_it_explains_the_line(code, level, cause_id):
     """A line on a hidden level may be for the program's author."""
-    assert why(run_of(WARNING, code=code), level=level) == cause_id
+    assert why(WARNING, code=code, level=level) == cause_id

@@ -1,10 +1,9 @@
 """A running program that does not answer: its thread has ended, or a callback sleeps."""
 
+from handmade_runs import at, graph, run_of
 import pytest
 
-from autograder.exam.exam import Run
 from autograder.judging.causes.ended import why_no_node, why_silent
-from autograder.recording import Recording
 
 SPUN = (
     '  File "/usr/lib/python3.12/threading.py", line 1010, in run\n'
@@ -29,28 +28,16 @@ def died(frames=SPUN, file='/submission/talker.py', error=ERROR):
     )
 
 
-def run(*events, reason='complete', answered=False, code=SLEEPS, facts=None, **process):
-    """
-    Return a run.
-
-    :param answered: whether the node answers at the end; None if the program has no node
-    """
+def run(*events, answered=False, code=SLEEPS, **facts):
+    """Return a run whose node answers at the end or not; with None, it has no node."""
     nodes = ['/talker'] if answered is not None else []
-    last = (
-        *({'event': 'asked', 'node': node, 'answered': answered} for node in nodes),
-        {'event': 'graph', 'when': 'end', 'nodes': nodes, 'endpoints': []},
-        {'event': 'end', 'reason': reason},
-        {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process},
-    )
-    return Run({'talker.py': code}, Recording({}, (*events, *last)), facts or {})
+    asked = [at(19.0, 'asked', node=node, answered=answered) for node in nodes]
+    return run_of(*events, *asked, graph(nodes=nodes), code=code, file='talker.py', **facts)
 
 
 class TestThreads:
-    """An exception in a thread does not end the program."""
-
     @pytest.mark.parametrize('reason', ['complete', 'cpu_limit'])
     def test_exception_in_the_thread_that_spins_is_reported_with_its_line(self, reason):
-        """No callback is blamed for never returning."""
         found = why_silent(run(reason=reason, stderr=died(), code=LOOPS))
 
         assert found.cause_id == 'exception'
@@ -58,7 +45,6 @@ class TestThreads:
         assert found.text.endswith('to str. The exception ended the thread that spins the node.')
 
     def test_known_exception_keeps_its_own_words(self):
-        """The cause is the same as for a program that the exception ends."""
         error = "AttributeError: 'String' object has no attribute 'dat'"
 
         found = why_silent(run(stderr=died(error=error)))
@@ -68,30 +54,27 @@ class TestThreads:
 
     def test_another_thread_explains_a_node_that_nobody_ever_spins(self):
         """The thread may have spun the node; if the node answers, the thread was only a helper."""
-        helper = died(frames='')
+        helper = {'stderr': died(frames=''), 'code': ''}
 
-        never = why_silent(run(stderr=helper, code=''))
-        served = why_silent(run(stderr=helper, code='', answered=True))
+        never = why_silent(run(**helper))
 
         assert never.text.endswith('The exception ended a thread of your program.')
-        assert served is None
+        assert why_silent(run(**helper, answered=True)) is None
 
     def test_thread_that_ends_before_it_has_a_node_is_reported(self):
-        """The cause is the exception, not a loop that keeps main() from creating a node."""
         found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
 
         assert found.cause_id == 'exception'
         assert 'The exception ended a thread' in found.text
 
     def test_exception_below_code_that_is_not_the_learners_is_not_theirs(self):
-        """If the exception is not in the learner's code, the cause names no line."""
         found = why_silent(run(stderr=died(file='/opt/ros/x.py'), code='rclpy.spin(node)'))
 
         assert found.cause_id == 'blocked'
 
     def test_words_of_an_exception_do_not_show_what_was_sent(self):
         """The message of an exception could reveal hidden inputs."""
-        sent = {'event': 'input', 'index': 0, 'data': {'data': 47.25}}
+        sent = at(1.0, 'input', index=0, data={'data': 47.25})
         error = 'ValueError: 47.25 is too much'
 
         found = why_silent(run(sent, stderr=died(error=error), facts={'secret': True}))
@@ -100,36 +83,39 @@ class TestThreads:
         assert '47' not in found.text
 
 
-def test_executor_without_a_node_is_reported():
-    """An executor without a node spins, so the cause is not a loop."""
-    found = why_silent(run(code='executor = SingleThreadedExecutor()\nexecutor.spin()\n'))
+SERVES = (
+    'while rclpy.ok():\n    publisher.publish(message)\n    rclpy.spin_once(node)\n'
+    '    time.sleep(0.5)\n'
+)
 
-    assert 'has no node' in found.text
 
-
-class TestSleep:
-    """A pause in a callback stops the node."""
+class TestCode:
+    """The code shows why a node does not answer."""
 
     def test_long_pause_explains_a_node_that_does_not_answer(self):
-        """The cause names the line of the pause and mentions no loop."""
         found = why_silent(run())
 
         assert found.cause_id == 'sleeps_in_callback'
         assert found.text.startswith('speak() sleeps.')
         assert found.line == 5
 
-    def test_pause_in_an_endless_loop_is_the_loops_fault(self):
-        assert why_silent(run(code=f'{LOOPS}rclpy.spin(node)\n')).cause_id == 'blocked'
+    @pytest.mark.parametrize(
+        ('code', 'cause_id'),
+        [
+            (f'{LOOPS}rclpy.spin(node)\n', 'blocked'),
+            (SERVES, 'own_loop'),
+            (f'node.create_timer(1.0, f)\n{SERVES}', 'blocked'),
+            (f'def on_configure(self, state):\n    pass\n{SERVES}', 'blocked'),
+        ],
+        ids=['in an endless loop', 'serves its node', 'a timer', 'a transition'],
+    )
+    def test_pause_in_a_loop_is_not_one_in_a_callback(self, code, cause_id):
+        assert why_silent(run(code=code)).cause_id == cause_id
 
-    def test_loop_that_serves_its_node_is_no_callback(self):
-        code = (
-            'while rclpy.ok():\n    publisher.publish(message)\n    rclpy.spin_once(node)\n'
-            '    time.sleep(0.5)\n'
-        )
+    def test_executor_without_a_node_is_reported(self):
+        found = why_silent(run(code='executor = SingleThreadedExecutor()\nexecutor.spin()\n'))
 
-        assert why_silent(run(code=code)).cause_id == 'own_loop'
-        for other in ('node.create_timer(1.0, f)\n', 'def on_configure(self, state):\n    pass\n'):
-            assert why_silent(run(code=other + code)).cause_id == 'blocked'
+        assert 'has no node' in found.text
 
     def test_node_that_answers_is_not_told_to_sleep_less(self):
         assert why_silent(run(answered=True)) is None

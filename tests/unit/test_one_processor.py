@@ -20,7 +20,6 @@ def calm(monkeypatch):
 
 
 def test_all_threads_of_a_process_and_its_children_stay_on_the_chosen_processor():
-    """A process that has already ended causes no error."""
     begin = 'import sys, threading; other = threading.Thread(target=sys.stdin.read); other.start()'
     code = f'{begin}; print("begun", flush=True); other.join(); {AFFINITY}'
     argv = [sys.executable, '-c', code]
@@ -37,7 +36,6 @@ def test_all_threads_of_a_process_and_its_children_stay_on_the_chosen_processor(
 
 
 def test_runs_side_by_side_share_the_processors_evenly():
-    """With twice as many runs as processors, each processor has two."""
     allowed = sorted(os.sched_getaffinity(0))
     together, chosen = Barrier(2 * len(allowed)), []
 

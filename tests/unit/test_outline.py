@@ -2,6 +2,7 @@
 
 import json
 
+from collect_sources import laid
 import pytest
 
 from autograder.layout import lesson_files
@@ -45,7 +46,6 @@ def lesson(tmp_path):
 
 
 def test_outline_has_title_parts_and_minutes(lesson):
-    """Headings in code and other tables with minutes do not count."""
     outline = read_outline(lesson)
 
     assert (outline.number, outline.title, outline.minutes) == ('03', 'Topics', 15)
@@ -68,21 +68,14 @@ def test_exercises_belong_to_the_part_above_them(lesson):
 
 
 def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
-    """A notebook next to the lessons' folders is not a lesson, nor is its checkpoint copy."""
-    for name in (
-        'START_HERE.ipynb',
-        '.ipynb_checkpoints/START_HERE-checkpoint.ipynb',
-        '01_a/a.ipynb',
-    ):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text('{}')
+    checkpoint = '.ipynb_checkpoints/START_HERE-checkpoint.ipynb'
+    laid(tmp_path, dict.fromkeys(('START_HERE.ipynb', checkpoint, '01_a/a.ipynb'), b'{}'))
 
     assert lesson_files(tmp_path) == [tmp_path / '01_a' / 'a.ipynb', lesson]
 
 
 @pytest.mark.parametrize('text', ['', '[]', '{"cells": 1}'])
 def test_file_that_is_not_a_notebook_is_refused(lesson, text):
-    """The caller chooses what to show instead."""
     lesson.write_text(text)
 
     with pytest.raises(ValueError, match=r'Expecting value|not a notebook'):

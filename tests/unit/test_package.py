@@ -5,6 +5,7 @@ import stat
 import struct
 import zipfile
 
+from collect_sources import laid
 import pytest
 
 from autograder.exam import catalog
@@ -27,6 +28,11 @@ def zip_of(path, entries):
     return path
 
 
+def refused(path, said):
+    with pytest.raises(UnusableUploadError, match=said):
+        read_upload(path)
+
+
 PACKAGE = [
     ('my_pkg/package.xml', '<package/>'),
     ('my_pkg/my_pkg/talker.py', 'x = 1'),
@@ -37,16 +43,10 @@ PACKAGE = [
 
 
 class TestWhatIsTakenIn:
-    """A folder, a script and a zip give the same files with the same names."""
-
     def test_a_zip_and_its_folder_are_the_same(self, tmp_path):
-        """The name of the folder around the package does not matter."""
-        folder = tmp_path / 'anything'
-        for name, text in PACKAGE:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_text(text)
+        folder = {name: text.encode() for name, text in PACKAGE}
 
-        from_folder = read_upload(folder)
+        from_folder = read_upload(laid(tmp_path / 'anything', folder))
         from_zip = read_upload(zip_of(tmp_path / 'a.zip', PACKAGE))
 
         assert from_folder == from_zip
@@ -59,13 +59,11 @@ class TestWhatIsTakenIn:
         ]
 
     def test_a_script_is_one_file(self, tmp_path):
-        """A script is one file and keeps its name."""
         (tmp_path / 'talker.py').write_text('x = 1')
 
         assert read_upload(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
 
     def test_what_tools_make_is_left_out(self, tmp_path):
-        """Builds, caches, version control files and files of macOS are left out."""
         extra = [
             ('my_pkg/build/a.py', 'x'),
             ('my_pkg/.git/config.txt', 'x'),
@@ -84,28 +82,18 @@ class TestWhatIsTakenIn:
         (tmp_path / 'package.xml').write_text('x')
         (tmp_path / 'linked.py').symlink_to(target)
 
-        with pytest.raises(
-            UnusableUploadError, match=r"'linked\.py': .* got a link .* with copies"
-        ):
-            read_upload(tmp_path)
+        refused(tmp_path, r"'linked\.py': .* got a link .* with copies")
 
     def test_two_packages_are_one_too_many(self, tmp_path):
-        """The refusal names the packages."""
-        both = [*PACKAGE, ('other/package.xml', 'x')]
+        both = zip_of(tmp_path / 'a.zip', [*PACKAGE, ('other/package.xml', 'x')])
 
-        with pytest.raises(
-            UnusableUploadError, match=r'expected one package, got 2: my_pkg, other'
-        ):
-            read_upload(zip_of(tmp_path / 'a.zip', both))
+        refused(both, 'expected one package, got 2: my_pkg, other')
 
     def test_anything_else_is_refused_by_name(self, tmp_path):
-        """A tar file, a picture and an empty folder are refused by name."""
         (tmp_path / 'a.tar').write_text('x')
 
-        with pytest.raises(UnusableUploadError, match=r'a\.tar: expected .* got a different file'):
-            read_upload(tmp_path / 'a.tar')
-        with pytest.raises(UnusableUploadError, match='no file or folder of this name'):
-            read_upload(tmp_path / 'b.zip2')
+        refused(tmp_path / 'a.tar', r'a\.tar: expected .* got a different file')
+        refused(tmp_path / 'b.zip2', 'no file or folder of this name')
 
 
 def info(name, **facts):
@@ -118,11 +106,11 @@ def info(name, **facts):
 
 LINK = (stat.S_IFLNK | 0o777) << 16
 PIPE = (stat.S_IFIFO | 0o644) << 16
+NODES = [f'a{number}.py' for number in range(package.MOST_FILES + 1)]
+PICTURES = [f'a{number}.png' for number in range(package.BOUNDS.entries + 1)]
 
 
 class TestWhatAZipMayNotHold:
-    """All of these entries are refused, although no entry is ever written to disk."""
-
     @pytest.mark.parametrize(
         ('entry', 'said'),
         [
@@ -141,11 +129,7 @@ class TestWhatAZipMayNotHold:
         ],
     )
     def test_an_entry_that_is_no_regular_file_inside(self, tmp_path, entry, said):
-        """The refusal names the entry and the reason."""
-        path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
-
-        with pytest.raises(UnusableUploadError, match=said):
-            read_upload(path)
+        refused(zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')]), said)
 
     def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
         """Unpacked bytes are counted, because a zip bomb is small until it is unpacked."""
@@ -153,143 +137,99 @@ class TestWhatAZipMayNotHold:
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
 
         assert path.stat().st_size < 1 << 16
-        with pytest.raises(UnusableUploadError, match='expected the files of one package'):
-            read_upload(path)
+        refused(path, 'expected the files of one package')
 
     def test_a_size_that_lies_is_not_believed(self, tmp_path):
-        """The bytes are counted, although the table of contents states one byte."""
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * 100_000)])
         data = bytearray(path.read_bytes())
         directory = data.index(b'PK\x01\x02')
         data[directory + 24 : directory + 28] = struct.pack('<I', 1)
         path.write_bytes(data)
 
-        with pytest.raises(UnusableUploadError, match='a damaged entry'):
-            read_upload(path)
+        refused(path, 'a damaged entry')
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
-        """Many files of a permitted size are refused too."""
         monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(whole_bytes=1000))
         many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
 
-        with pytest.raises(UnusableUploadError, match='more than'):
-            read_upload(zip_of(tmp_path / 'a.zip', many))
-
-    def test_so_is_the_number_of_files(self, tmp_path):
-        """The number of entries in a zip and the number of files in a package are limited."""
-        many = [(f'a{number}.py', '') for number in range(package.MOST_FILES + 1)]
-        with pytest.raises(UnusableUploadError, match=f'more than {package.MOST_FILES}'):
-            read_upload(zip_of(tmp_path / 'a.zip', many))
-
-        many = [(f'a{number}.png', '') for number in range(package.BOUNDS.entries + 1)]
-        with pytest.raises(UnusableUploadError, match=f'more than {package.BOUNDS.entries} files'):
-            read_upload(zip_of(tmp_path / 'b.zip', many))
+        refused(zip_of(tmp_path / 'a.zip', many), 'more than')
 
     @pytest.mark.filterwarnings('ignore:Duplicate name')
-    def test_a_name_has_one_meaning(self, tmp_path):
-        """Two entries cannot share a name, and a file cannot also be a folder."""
-        with pytest.raises(UnusableUploadError, match='twice'):
-            read_upload(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
-        with pytest.raises(UnusableUploadError, match='both a file and a folder'):
-            read_upload(zip_of(tmp_path / 'b.zip', [('a.py', '1'), ('a.py/b.py', '2')]))
+    @pytest.mark.parametrize(
+        ('names', 'said'),
+        [
+            (NODES, f'more than {package.MOST_FILES}'),
+            (PICTURES, f'more than {package.BOUNDS.entries} files'),
+            (['a.py', 'a.py'], 'twice'),
+            (['a.py', 'a.py/b.py'], 'both a file and a folder'),
+        ],
+        ids=['files', 'entries', 'twice', 'file and folder'],
+    )
+    def test_number_of_files_is_bounded_and_a_name_has_one_meaning(self, tmp_path, names, said):
+        refused(zip_of(tmp_path / 'a.zip', [(name, '') for name in names]), said)
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
     def test_what_is_no_zip_is_one_line(self, tmp_path, data):
-        """A truncated zip gives one line, like a file that is not a zip."""
         (tmp_path / 'a.zip').write_bytes(data)
 
-        with pytest.raises(UnusableUploadError, match='the zip file cannot be read'):
-            read_upload(tmp_path / 'a.zip')
+        refused(tmp_path / 'a.zip', 'the zip file cannot be read')
 
     def test_a_link_to_a_zip_is_none(self, tmp_path):
-        """A link to a zip is refused, like any link in a submission."""
         zip_of(tmp_path / 'a.zip', PACKAGE)
         (tmp_path / 'b.zip').symlink_to(tmp_path / 'a.zip')
 
-        with pytest.raises(UnusableUploadError, match='regular file'):
-            read_upload(tmp_path / 'b.zip')
+        refused(tmp_path / 'b.zip', 'regular file')
 
 
-class TestNodeFiles:
-    """Exams identify a node by the file name of its executable."""
+ENTRIES = "# 'talker = pkg.old:main',\n'talker = pkg.node_one:main',"
+INSTALLS = '# a/talker.py\ninstall(PROGRAMS scripts/talker.py DESTINATION'
+OLD = {'talker.py': 'old', 'a/talker.py': 'old'}
 
-    def test_a_module_of_that_name_is_found_in_its_package(self):
-        """The file in the package is kept, so that other modules can import it."""
-        files = {'pkg/talker.py': 'node', 'test/talker.py': 'test', 'launch/talker.py': 'launch'}
 
-        assert with_node_files(files, ['talker.py']) == {**files, 'talker.py': 'node'}
+@pytest.mark.parametrize(
+    'files',
+    [
+        {'pkg/talker.py': 'node', 'test/talker.py': 'test', 'launch/talker.py': 'launch'},
+        {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'},
+        # ``ros2 run`` starts the entry point's module, not a forgotten file.
+        {'setup.py': ENTRIES, 'pkg/node_one.py': 'node', 'pkg/old.py': 'old', **OLD},
+        {'CMakeLists.txt': INSTALLS, 'scripts/talker.py': 'node', **OLD},
+        # The module must not import itself.
+        {'setup.py': "'talker = talker:start'", 'talker.py': 'node'},
+        {'talker.py': 'node', 'pkg/talker.py': 'other'},
+    ],
+    ids=['in package', 'entry', 'entry before top', 'installed', 'entry at the top', 'at the top'],
+)
+def test_exams_identify_a_node_by_the_file_name_of_its_executable(files):
+    """Its file in the package is kept, so that other modules can import it."""
+    assert with_node_files(files, ['talker.py']) == {**files, 'talker.py': 'node'}
 
-    def test_an_entry_point_names_another_module(self):
-        """The module that the entry point in setup.py names is used."""
-        files = {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'}
 
-        assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
+def test_an_entry_point_may_call_another_function():
+    files = {'setup.cfg': 'talker = pkg.node_one:start\n', 'pkg/node_one.py': 'node'}
 
-    def test_entry_point_comes_before_a_file_at_the_top(self):
-        """``ros2 run`` starts the entry point's module, not a forgotten file."""
-        setup = "# 'talker = pkg.old:main',\n'talker = pkg.node_one:main',"
-        files = {'setup.py': setup, 'pkg/node_one.py': 'node', 'pkg/old.py': 'old'}
+    text = with_node_files(files, ['talker.py'])['talker.py']
 
-        found = with_node_files({**files, 'talker.py': 'forgotten'}, ['talker.py'])
+    assert text == 'import sys\n\nfrom pkg.node_one import start\n\nsys.exit(start())\n'
 
-        assert found['talker.py'] == 'node'
 
-    def test_installed_file_comes_before_others_of_its_name(self):
-        """The file that CMake installs comes before other files of its name."""
-        files = {'talker.py': 'old', 'a/talker.py': 'old', 'scripts/talker.py': 'node'}
-        files['CMakeLists.txt'] = '# a/talker.py\ninstall(PROGRAMS scripts/talker.py DESTINATION'
-
-        assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
-
-    def test_entry_point_of_a_module_at_the_top_leaves_it_as_it_is(self):
-        """The module must not import itself."""
-        files = {'setup.py': "'talker = talker:start'", 'talker.py': 'node'}
-
-        assert with_node_files(files, ['talker.py']) == files
-
-    def test_an_entry_point_may_call_another_function(self):
-        """The file then calls this function, like the script that a build installs."""
-        files = {'setup.cfg': 'talker = pkg.node_one:start\n', 'pkg/node_one.py': 'node'}
-
-        text = with_node_files(files, ['talker.py'])['talker.py']
-
-        assert text == 'import sys\n\nfrom pkg.node_one import start\n\nsys.exit(start())\n'
-
-    def test_a_file_at_the_top_is_not_replaced(self):
-        """The student has submitted the file at the top under that name."""
-        files = {'talker.py': 'mine', 'pkg/talker.py': 'other'}
-
-        assert with_node_files(files, ['talker.py']) == files
-
-    def test_without_a_package_file_the_only_folder_is_the_package(self):
-        """Beginners may hand in nodes without a package.xml."""
-        assert in_package({'my/a.py': '1', 'my/b.py': '2'}, 'x') == {'a.py': '1', 'b.py': '2'}
-        assert in_package({'my/a.py': '1', 'b.py': '2'}, 'x') == {'my/a.py': '1', 'b.py': '2'}
+def test_without_a_package_file_the_only_folder_is_the_package():
+    """Beginners may hand in nodes without a package.xml."""
+    assert in_package({'my/a.py': '1', 'my/b.py': '2'}, 'x') == {'a.py': '1', 'b.py': '2'}
+    assert in_package({'my/a.py': '1', 'b.py': '2'}, 'x') == {'my/a.py': '1', 'b.py': '2'}
 
 
 def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
-    """The exams identify a node by its file name."""
-    for name in ('msg/A.msg', 'package.xml', 'CMakeLists.txt', 'pkg/talker.py', 'listener.py'):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(name)
+    files = {'CMakeLists.txt': b'', 'listener.py': b'top', 'msg/A.msg': b'', 'package.xml': b''}
+    laid(tmp_path, {**files, 'pkg/talker.py': b'inner'})
 
-    assert read_package(tmp_path) == {
-        'CMakeLists.txt': 'CMakeLists.txt',
-        'listener.py': 'listener.py',
-        'msg/A.msg': 'msg/A.msg',
-        'package.xml': 'package.xml',
-        'talker.py': 'pkg/talker.py',
-    }
+    found = {name: data.decode() for name, data in files.items()}
+    assert read_package(tmp_path) == {**found, 'talker.py': 'inner'}
 
 
 def test_hidden_files_and_other_kinds_are_left_out(tmp_path):
-    """Only files that a build could need are read."""
-    (tmp_path / '.part.py').write_text('x')
-    (tmp_path / '__pycache__').mkdir()
-    (tmp_path / '__pycache__' / 'a.py').write_text('x')
-    (tmp_path / 'log').mkdir()
+    laid(tmp_path, {'.part.py': b'x', '__pycache__/a.py': b'x', 'log/a': b'x', 'core': b'x'})
     (tmp_path / 'log' / 'latest').symlink_to('build_now')
-    (tmp_path / 'core').write_text('x')
 
     assert read_package(tmp_path) == {}
 
@@ -304,22 +244,17 @@ def test_link_is_refused_with_its_name(tmp_path, target):
 
 
 def test_other_entries_of_a_notebooks_folder_are_ignored(tmp_path):
-    """A pipe, a deep folder and a large file do not keep a learner from checking a node."""
-    deep = tmp_path / '/'.join('d' * 20)
-    deep.mkdir(parents=True)
+    (tmp_path / '/'.join('d' * 20)).mkdir(parents=True)
     os.mkfifo(tmp_path / 'pipe.py')
-    (tmp_path / 'data.csv').write_bytes(bytes(1_100_000))
-    (tmp_path / 'a\\b.txt').write_text('x')
-    (tmp_path / 'package.xml').write_text('<package/>')
+    files = {'data.csv': bytes(1_100_000), 'a\\b.txt': b'x', 'package.xml': b'<package/>'}
+    laid(tmp_path, files)
 
     assert read_package(tmp_path)['package.xml'] == '<package/>'
     assert 'pipe.py' not in read_package(tmp_path)
 
 
 def test_files_of_a_notebook_are_read_up_to_a_limit(tmp_path):
-    """The first files are read; a folder that does not exist has none."""
-    for number in range(package.MOST_FILES + 5):
-        (tmp_path / f'n{number}.py').write_text('x')
+    laid(tmp_path, {f'n{number}.py': b'x' for number in range(package.MOST_FILES + 5)})
 
     assert len(read_package(tmp_path)) == package.MOST_FILES
     assert read_package(tmp_path / 'missing') == {}

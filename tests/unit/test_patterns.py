@@ -4,17 +4,17 @@ from dataclasses import replace
 import math
 from types import SimpleNamespace
 
+from handmade_runs import at, graph, message, publisher, run_of, sent, why
 import pytest
 
-from autograder.exam.exam import Failed, Run
-from autograder.exam.patterns import why_burst_cut, why_pattern
+from autograder.exam.patterns import why_burst_cut, why_left_out, why_pattern
 from autograder.exam.specification import each, Specification
 from autograder.judging import rhythm
 from autograder.judging.judge import closest
 from autograder.judging.log_rows import require_warnings
 from autograder.judging.numbers import shown, why_not_numbered
 from autograder.judging.rows import delays, why_other_answer
-from autograder.recording import ERROR, Recording, WARN
+from autograder.recording import ERROR, WARN
 from autograder.submission.code.source_code import Code
 from exams.visible import (
     courier,
@@ -25,30 +25,6 @@ from exams.visible import (
     map_server,
     sensor_watch,
 )
-
-ENDS = (
-    {'event': 'end', 'reason': 'complete', 'clock_ns': 20 * 10**9},
-    {'event': 'process', 'exit': None, 'stdout': ''},
-)
-
-
-def run_of(*events, facts=None, code=''):
-    """Return a run that ended as planned after 20 s."""
-    return Run({'n.py': code}, Recording({}, (*events, *ENDS)), facts or {})
-
-
-def at(clock_s, kind='message', **fields):
-    return {'event': kind, 'clock_ns': round(clock_s * 1e9), **fields}
-
-
-def message(clock_s, topic='/alive', **fields):
-    return at(clock_s, topic=topic, data={}, **fields)
-
-
-def why(check, *given):
-    with pytest.raises(Failed) as failed:
-        check(*given)
-    return failed.value.why
 
 
 @pytest.mark.parametrize(
@@ -81,6 +57,26 @@ def test_answer_without_an_expected_one_is_no_pattern():
 
 
 @pytest.mark.parametrize(
+    ('counts', 'cause'),
+    [
+        ([1, 1, 0, 1, 0, 1], 'only_new_answers'),
+        ([0, 1, 1, 0, 0, 1], 'only_true_answers'),
+        ([1, 1, 0, 1, 0, 0], None),
+        ([1, 1, 0, 1, 0, None], None),
+        ([1, 1, 1, 1, 1, 1], None),
+    ],
+)
+def test_answers_left_out_for_their_values_are_recognised(counts, cause):
+    """Only if every answer and every gap fits."""
+    near = Specification([False, True, True, False, False, True], each(lambda one: (one,)))
+    came = [None if count is None else (True,) * count for count in counts]
+
+    found = why_left_out(near, came)
+
+    assert (found and found.cause_id) == cause
+
+
+@pytest.mark.parametrize(
     ('came', 'cause_id'),
     [
         (('a',), 'drops_while_busy'),
@@ -101,7 +97,6 @@ def test_burst_shows_which_messages_are_answered(came, cause_id):
 
 
 def test_part_of_a_burst_is_not_taken_for_a_depth():
-    """Neither the first nor the last message is answered."""
     asked = Specification('abcd', each(lambda one: (one,)), burst=4)
 
     assert why_other_answer(asked, [('b', 'c')], 0).cause_id == 'misses_some'
@@ -129,20 +124,19 @@ def test_delay_of_an_answer_shows_a_timer(late_s, came, says):
 def test_delays_are_counted_from_the_input_or_the_end_of_a_burst():
     """A run that ended early, and an exam with a slow callback, give no delays."""
     asked = Specification('abc', each(lambda one: (one,)), burst=2)
-    sent = [at(clock, 'input', index=place) for place, clock in enumerate((1.0, 3.0, 3.5))]
+    inputs = sent(1.0, 3.0, 3.5)
     answers = [message(1.25, after_input=0), message(4.0, after_input=2)]
     slow = {'slow_callback': True, 'letters': asked}
 
     def found(events, facts):
         return delays(run_of(*events, facts=facts), 'letters', '/alive')
 
-    assert found([*sent, *answers], {'letters': asked}) == [[0.25], [0.5]]
-    assert found([*sent[:2], *answers[:1]], {'letters': asked}) == []
-    assert found([*sent, *answers], slow) == []
+    assert found([*inputs, *answers], {'letters': asked}) == [[0.25], [0.5]]
+    assert found([*inputs[:2], *answers[:1]], {'letters': asked}) == []
+    assert found([*inputs, *answers], slow) == []
 
 
 def test_count_that_goes_back_is_reported_with_what_else_happened():
-    """The cause mentions that a subscription connected between the two messages."""
     found = [message(clock) for clock in (1.0, 2.0, 3.0)]
     run = run_of(*found, at(2.6, 'joined', matched=True))
     texts = ['hello 1', 'hello 2', 'hello 1']
@@ -165,10 +159,9 @@ def test_count_that_goes_back_is_reported_with_what_else_happened():
 )
 @pytest.mark.parametrize('texts', [['hello 7', 'hello 8', 'hello 1'], ['8', '9', '0']])
 def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, says, texts):
-    """A counter that no code resets is not blamed."""
     first = int(texts[0][-1])
 
-    cause = closest(Code(run_of(code=code).files), why_not_numbered(texts, 2, first))
+    cause = closest(Code({'n.py': code}), why_not_numbered(texts, 2, first))
 
     assert (cause.cause_id, says in cause.text) == ('begins_again', True)
     assert f'After {first + 1} texts' in cause.text or 'goes back after' in cause.text
@@ -204,7 +197,6 @@ def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, s
     ],
 )
 def test_what_disturbs_a_rhythm_is_reported(clocks, others, cause_id):
-    """Only an event at exactly the same moment is blamed."""
     found = [message(clock) for clock in clocks]
 
     cause = why(rhythm.require_period, run_of(*found, *others), found, 1.0, 15.0)
@@ -222,7 +214,6 @@ def test_what_disturbs_a_rhythm_is_reported(clocks, others, cause_id):
     ids=['every second', 'uneven', 'each'],
 )
 def test_second_message_that_comes_evenly_has_its_period(clocks, text):
-    """No number is given if the double messages are irregular, or come in each period."""
     found = [message(clock) for clock in clocks]
 
     assert why(rhythm.require_period, run_of(), found, 1.0, 4.0).text.endswith(text)
@@ -265,9 +256,8 @@ TURNS = 'rclpy.spin_once(a)\nrclpy.spin_once(b)\n'
     ids=['each third tick', 'right period', 'wrong period', 'compared', 'in turn'],
 )
 def test_right_period_in_the_code_is_not_to_be_corrected(code, every_s, cause_id, advice):
-    """The number reaches create_timer() through a parameter."""
     found = [message(every_s * number) for number in range(1, 6)]
-    run = run_of({'event': 'graph', 'nodes': ['/a', '/b'], 'endpoints': []}, code=code)
+    run = run_of(graph(nodes=['/a', '/b']), code=code)
 
     cause = closest(Code(run.files), why(rhythm.require_period, run, found, 1.0, 15.0))
 
@@ -284,45 +274,47 @@ def test_pause_with_a_reset_is_told_to_leave_the_reset_out():
 
 
 def test_warning_from_another_line_is_not_called_a_repetition():
-    """The warning about a refusal comes from a different line of the code."""
     asked = Specification([SimpleNamespace(kind='hot')] * 2, each(lambda one: 1))
-    line = {'event': 'log', 'level': WARN, 'text': 'hot', 'line': 20, 'after_input': 0}
-    line['clock_ns'] = 0
+    line = at(0.0, 'log', level=WARN, text='hot', line=20, after_input=0)
+    lines = [[line], [line, {**line, 'line': 38}]]
 
-    found = why(
-        require_warnings,
-        run_of({'event': 'input', 'clock_ns': 0}),
-        asked,
-        [[line], [line, {**line, 'line': 38}]],
-        [1],
-        [],
-        None,
-    )
+    found = why(require_warnings, run_of(*sent(0.0)), asked, lines, [1], [], None)
 
     assert (found.cause_id, found.line) == ('other_warning', 38)
 
 
-class TestHeartbeat:
-    quiet = tuple(message(half / 2) for half in range(1, 7))
+QUIET = tuple(message(half / 2) for half in range(1, 7))
+RESULT = message(4.4, '/results')
+LOCK = 'MultiThreadedExecutor()\nReentrantCallbackGroup()\nlock = threading.Lock()\n'
+WAITING = (
+    *(*QUIET, *sent(3.2, 5.7, 5.7)),
+    *map(message, (3.5, 4.0, 4.5, 5.0, 5.5, 7.0, 7.5)),
+    *(message(clock, '/results') for clock in (4.4, 6.9, 8.1)),
+)
 
-    def test_lock_that_both_callbacks_take_is_named(self):
-        """More threads would not help, because both callbacks need the lock."""
-        code = 'MultiThreadedExecutor()\nReentrantCallbackGroup()\nlock = threading.Lock()\n'
-        run = run_of(*self.quiet, message(4.4, '/results'), message(4.4), code=code)
 
-        assert inspector.why_starved(run).cause_id == 'waits_for_lock'
+@pytest.mark.parametrize(
+    ('events', 'code', 'cause_id'),
+    [
+        pytest.param((*QUIET, RESULT, message(4.4), message(4.5)), '', 'starved', id='waits'),
+        pytest.param((*QUIET, message(3.5), message(4.0), RESULT), '', None, id='goes on'),
+        pytest.param(
+            (message(3.2), RESULT, message(5.7), message(6.9, '/results')),
+            *('', None),
+            id='beats with the pictures',
+        ),
+        pytest.param(QUIET, '', None, id='no result'),
+        # More threads would not help, because both callbacks need the lock.
+        pytest.param((*QUIET, RESULT, message(4.4)), LOCK, 'waits_for_lock', id='lock'),
+        # A single picture delays nothing, so the timer does not simply wait for the callback.
+        pytest.param(WAITING, 'MultiThreadedExecutor()\n', 'threads_used_up', id='threads'),
+        pytest.param(WAITING, 'rclpy.spin(node)\n', None, id='one thread'),
+    ],
+)
+def test_cause_of_missing_heartbeats_is_named_only_if_all_messages_fit_it(events, code, cause_id):
+    found = inspector.why_starved(run_of(*events, code=code))
 
-    def test_pictures_that_wait_may_use_up_the_threads(self):
-        """A single picture delays nothing, so the timer does not simply wait for the callback."""
-        sent = [at(clock, 'input', index=place) for place, clock in enumerate((3.2, 5.7, 5.7))]
-        beats = [message(half / 2) for half in (7, 8, 9, 10, 11, 14, 15)]
-        results = [message(clock, '/results') for clock in (4.4, 6.9, 8.1)]
-
-        events = (*self.quiet, *sent, *beats, *results)
-        several = inspector.why_starved(run_of(*events, code='MultiThreadedExecutor()\n'))
-
-        assert several.cause_id == 'threads_used_up'
-        assert inspector.why_starved(run_of(*events, code='rclpy.spin(node)\n')) is None
+    assert (found and found.cause_id) == cause_id
 
 
 @pytest.mark.parametrize(
@@ -342,11 +334,9 @@ def test_parcel_is_blamed_on_what_the_code_has(name, line, cause_id):
 
 def watched(*events):
     """Return a run of the node that listens to the sensor."""
-    qos = {'deadline_ns': sensor_watch.DEADLINE_NS}
-    end = {'kind': 'subscription', 'topic': '/distance', 'node': sensor_watch.NODE, 'qos': qos}
-    graph = {'event': 'graph', 'when': 'end', 'nodes': [sensor_watch.NODE]}
-    events = ({**graph, 'endpoints': [{**end, 'type': sensor_watch.TYPE}]}, *events)
-    return run_of(*events, facts=sensor_watch.exam.facts)
+    end = publisher('/distance', sensor_watch.NODE, sensor_watch.TYPE, kind='subscription')
+    seen = graph({**end, 'qos': {'deadline_ns': sensor_watch.DEADLINE_NS}})
+    return run_of(seen, *events, facts=sensor_watch.exam.facts)
 
 
 def logged(clock_s, level=WARN, line=30, after_input=None):
@@ -359,7 +349,6 @@ class TestSensor:
         ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
     )
     def test_watchdog_that_runs_from_the_start_is_reported(self, early_s, cause_id):
-        """A line at the moment of an offer concerns the offer."""
         offer = at(1.0, 'offered', publisher='weak', matched=False, refused=['DEADLINE'])
         silence = at(5.0, 'mark', name='silence')
 
@@ -376,7 +365,6 @@ class TestSensor:
         ],
     )
     def test_number_of_a_distance_may_be_rounded_to_two_decimals(self, text, right):
-        """Thousands may be marked; cutting off decimals is not rounding."""
         assert sensor_watch._shows(text, 1234.567) == right
 
     @pytest.mark.parametrize(
@@ -387,11 +375,9 @@ class TestSensor:
         ],
     )
     def test_infinite_distance_may_be_shown_in_any_format(self, text, right):
-        """The start of another word does not show it."""
         assert sensor_watch._shows(text, math.inf) == right
 
     def test_refusals_that_are_counted_from_the_start_are_reported(self):
-        """The second refused publisher causes two lines, the first one only one."""
         events = []
         for place, name in enumerate(sensor_watch.LAZY):
             begun = 2.0 * place
@@ -403,22 +389,15 @@ class TestSensor:
         assert why(sensor_watch.names_the_policy, watched(*events)).cause_id == 'several_errors'
 
 
-BEACON = {
-    'kind': 'publisher',
-    'topic': '/beacon_signal',
-    'node': '/beacon',
-    'type': managed_beacon.TYPE,
-    'qos': {'reliability': 'RELIABLE'},
-}
+BEACON = publisher(
+    '/beacon_signal', '/beacon', managed_beacon.TYPE, qos={'reliability': 'RELIABLE'}
+)
 
 
 class TestManaged:
-    def graph(self, when, *endpoints):
-        return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
-
     def test_second_configuration_that_creates_nothing_is_reported(self):
-        """A flag in the node remains set after the cleanup."""
-        seen = [self.graph('configured', BEACON), self.graph('configured again')]
+        seen = [graph(BEACON, when='configured')]
+        seen += [graph(nodes=['/beacon'], when='configured again')]
         run = run_of(*seen, facts=managed_beacon.exam.facts)
 
         assert why(managed_beacon.cleans_up, run).cause_id == 'configured_once'
@@ -427,7 +406,7 @@ class TestManaged:
         """The flashes arrive together, at the moment of the activation."""
         mark = at(1.0, 'mark', name='active')
         flashes = [message(clock, '/beacon_signal') for clock in (1.5, 1.5, 1.5, 2.5, 3.5, 4.5)]
-        run = run_of(self.graph('end', BEACON), mark, *flashes, facts=managed_beacon.exam.facts)
+        run = run_of(graph(BEACON), mark, *flashes, facts=managed_beacon.exam.facts)
 
         assert why(managed_beacon.publishes_while_active, run).cause_id == 'sent_later'
 
@@ -459,18 +438,16 @@ class TestManaged:
 
 
 def test_map_that_is_published_for_each_newcomer_is_reported():
-    """The map arrives at the moment at which the late subscription connects."""
     asked = replace(map_server.exam.asks['maps'], inputs=('hall', 'yard'))
     events = []
     for place, text in enumerate(asked.inputs):
         events.append(at(place + 1.0, 'input', index=place))
-        events.append(message(place + 1.0, '/map', after_input=place) | {'data': {'data': text}})
-    again = message(9.0, '/map', after_input=1) | {'data': {'data': 'yard'}}
-    end = {'kind': 'publisher', 'topic': '/map', 'node': '/map_server', 'type': map_server.TYPE}
-    graph = at(0.5, 'graph', when='end', nodes=['/map_server'], endpoints=[end])
+        events.append(message(place + 1.0, '/map', {'data': text}, after_input=place))
+    again = message(9.0, '/map', {'data': 'yard'}, after_input=1)
+    seen = graph(publisher('/map', '/map_server', map_server.TYPE))
     joined = at(9.0, 'joined', listener='late', matched=True, refused=[])
 
-    run = run_of(graph, *events, joined, again, facts={'maps': asked})
+    run = run_of(seen, *events, joined, again, facts={'maps': asked})
 
     assert why(map_server.publishes_each_survey, run).cause_id == 'repeats_for_new'
 
@@ -485,10 +462,9 @@ def test_map_that_is_published_for_each_newcomer_is_reported():
 )
 def test_first_map_for_a_newcomer_is_distinguished_from_a_late_one(code, cause_id):
     """If a map is published again for each subscription, only the last copy is stored."""
-    assert (
-        closest(Code(run_of(code=code).files), map_server.WHY['first_map_late']).cause_id
-        == cause_id
-    )
+    found = closest(Code({'n.py': code}), map_server.WHY['first_map_late'])
+
+    assert found.cause_id == cause_id
 
 
 @pytest.mark.parametrize(
@@ -496,7 +472,6 @@ def test_first_map_for_a_newcomer_is_distinguished_from_a_late_one(code, cause_i
     [('', False, 'no_reason'), ('too high', True, 'looks_at_one')],
 )
 def test_limit_keeper_gives_a_reason_for_each_refusal(reason, together, cause_id):
-    """One call may set several parameters, and the limit need not be the first one."""
     asked = limit_keeper.exam.asks['changes']
     answers = [
         at(1.0, 'answer', service=limit_keeper.SERVICE, data={'results': [given]})

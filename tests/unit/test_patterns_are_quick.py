@@ -132,7 +132,6 @@ def test_the_search_finds_what_it_is_for(code):
 
 
 def test_a_pattern_that_is_matched_at_the_beginning_only_is_no_search():
-    """A match starts only once, unlike a search."""
     ((_, pattern, method),) = patterns_in(
         ast.parse(r"WORD = re.compile(r'\w+Error: ')" + '\nWORD.match(text)')
     )

@@ -1,69 +1,24 @@
 """Grade a class in parallel: each submission gets its own result, whatever others do."""
 
-from dataclasses import dataclass
+import json
 from pathlib import Path
 import threading
 
+from fake_grading import answer, FakeEngine, FakeExam
 import pytest
 
-from autograder.errors import GraderError, ProbeFailed
+from autograder.errors import GraderError
 from autograder.explaining.feedback import headline
 from autograder.grading.pipeline import grade_class, grade_opened, Lesson, open_one
-from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.submission.inbox import Submission
-from autograder.submission.notebook import Notebook
 
-RELEASE: Notebook = {
-    'cells': [
-        {
-            'cell_type': 'code',
-            'metadata': {'nbgrader': {'grade_id': 'talker', 'solution': True}},
-            'source': '%%node talker\n# YOUR CODE HERE',
-        }
-    ],
-    'metadata': {},
-}
-
-
-@dataclass(frozen=True)
-class FakeExam:
-    """The parts of an exam that the pipeline needs."""
-
-    name: str
-    cells: tuple[str, ...] = ('talker',)
-
-
-class FakeEngine:
-    """Gives a point for the word "right", and raises an error for some other words."""
-
-    def __init__(self):
-        self.threads = set()
-
-    def run(self, exam, files):
-        """Return a result that depends on the words in the files."""
-        self.threads.add(threading.current_thread().name)
-        text = ''.join(files.values())
-        if 'probe' in text and exam.name == 'first':
-            raise ProbeFailed('The probe broke off.', 'Again.')
-        if 'bug' in text:
-            raise ZeroDivisionError('oops')
-        if 'stop' in text:
-            raise KeyboardInterrupt
-        verdict = Verdict.PASSED if 'right' in text else Verdict.FAILED
-        points = float('right' in text)
-        return ExamResult(exam.name, (CheckResult('c', 'C.', verdict, points, 1),))
-
-
+RELEASE = {'cells': [answer('# YOUR CODE HERE')], 'metadata': {}}
 LESSON = Lesson('01', 'talker.ipynb', RELEASE, (FakeExam('first'), FakeExam('second')))
 
 
 def handed_in(student, word):
     """Return a submission whose answer is one word."""
-    text = (
-        '{"cells": [{"cell_type": "code", "metadata": {"nbgrader": {"grade_id": "talker"}},'
-        f' "source": "%%node talker\\n{word}"}}]}}'
-    )
-    return Submission(student, Path('x'), text.encode())
+    return Submission(student, Path('x'), json.dumps({'cells': [answer(word)]}).encode())
 
 
 def points(graded):
@@ -71,7 +26,6 @@ def points(graded):
 
 
 def test_results_come_in_the_order_of_the_submissions():
-    """The order of the results does not depend on their duration."""
     class_ = [handed_in(f's{number}', 'right') for number in range(20)]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=4)
@@ -82,7 +36,6 @@ def test_results_come_in_the_order_of_the_submissions():
 
 @pytest.mark.parametrize('word', ['probe', 'bug'])
 def test_our_own_fault_is_for_review_and_stops_nobody(word):
-    """A submission for review has no points, and the other submissions have theirs."""
     class_ = [handed_in('ann', 'right'), handed_in('bob', word), handed_in('cho', 'wrong')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -92,7 +45,6 @@ def test_our_own_fault_is_for_review_and_stops_nobody(word):
 
 
 def test_a_broken_file_is_zero_with_the_reason():
-    """The headline says why the file cannot be read."""
     class_ = [Submission('ann', Path('x'), b'nonsense'), handed_in('bob', 'right')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -102,7 +54,6 @@ def test_a_broken_file_is_zero_with_the_reason():
 
 
 def test_progress_is_reported_for_each_exam_of_each_student():
-    """Two exams of three students are reported, although two students share an answer."""
     done = []
     class_ = [handed_in('ann', 'right'), handed_in('bob', 'right'), handed_in('cho', 'bug')]
 
@@ -112,7 +63,7 @@ def test_progress_is_reported_for_each_exam_of_each_student():
     assert {student for student, one in done if isinstance(one, GraderError)} == {'cho'}
 
 
-def test_each_result_is_reported_in_the_calling_thread_while_others_are_run():
+def test_each_result_is_reported_in_the_calling_thread_while_another_runs_the_rest():
     done, where = [], set()
     hold = threading.Event()
 
@@ -130,24 +81,16 @@ def test_each_result_is_reported_in_the_calling_thread_while_others_are_run():
 
     class_ = [handed_in(f's{n}', f'right {n}') for n in (1, 2)]
     class_ += [handed_in('s3', 'right last')]
-    graded = grade_class(class_, LESSON, Running(), jobs=1, on_graded=on_graded)
+    engine = Running()
+    graded = grade_class(class_, LESSON, engine, jobs=1, on_graded=on_graded)
 
+    assert len(engine.threads) == 1
     assert done == ['s1', 's2', 's3']
     assert where == {threading.main_thread()}
     assert set(points(graded).values()) == {2.0}
 
 
-def test_no_more_runs_at_a_time_than_asked_for():
-    """Each job uses one thread."""
-    engine = FakeEngine()
-
-    grade_class([handed_in(name, 'right') for name in 'abcdef'], LESSON, engine, jobs=1)
-
-    assert len(engine.threads) == 1
-
-
 def test_ctrl_c_starts_nothing_new():
-    """Queued runs are cancelled."""
     engine, begun, held = FakeEngine(), threading.Event(), threading.Event()
     run, ran = engine.run, []
 
@@ -175,7 +118,6 @@ def test_ctrl_c_starts_nothing_new():
 
 
 def test_one_notebook_is_graded_the_same_way():
-    """A notebook can be graded without a class."""
     opened = open_one(handed_in('ann', 'right'), LESSON)
     result = grade_opened(opened, 'ann', LESSON, FakeEngine())
 

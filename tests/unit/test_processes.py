@@ -11,6 +11,8 @@ import pytest
 from autograder.inside.confine import family
 from autograder.sandboxes.processes import running, usage
 
+pytestmark = pytest.mark.timeout(60)
+
 # Each program prints x when its threads and child processes are set up.
 SLEEPS = "import threading; print('x', flush=True); threading.Event().wait()"
 COMPUTES = "print('x', flush=True)\nwhile True: pass"
@@ -26,8 +28,6 @@ child = subprocess.Popen([sys.executable, '-c', {COMPUTES!r}], stdout=subprocess
 child.stdout.readline()
 {SLEEPS}
 """
-
-
 ZOMBIE = f"""
 import os
 if (child := os.fork()) == 0:
@@ -65,7 +65,6 @@ def reaches(process, wanted: bytes) -> bool:
     return True
 
 
-@pytest.mark.timeout(60)
 @pytest.mark.parametrize(('program', 'threads'), [(SLEEPS, 1), (THREADS, 4)])
 def test_threads_that_wait_are_asleep(program, threads):
     with started(program) as process:
@@ -73,9 +72,7 @@ def test_threads_that_wait_are_asleep(program, threads):
         assert len(states(process.pid)) == threads
 
 
-@pytest.mark.timeout(60)
 def test_a_program_that_computes_is_seen_in_its_parent():
-    """A child's threads and CPU time count towards its parent's."""
     with started(CHILD) as process:
         before = used_s(process.pid)
 
@@ -84,7 +81,6 @@ def test_a_program_that_computes_is_seen_in_its_parent():
         assert len(list(family(process.pid))) == 2
 
 
-@pytest.mark.timeout(60)
 def test_a_stopped_program_is_seen_as_one():
     with started(COMPUTES) as process:
         process.send_signal(signal.SIGSTOP)
@@ -92,7 +88,6 @@ def test_a_stopped_program_is_seen_as_one():
         assert reaches(process, b'T')
 
 
-@pytest.mark.timeout(60)
 def test_child_that_has_ended_is_not_running():
     """The kernel lists an ended child until its parent asks for the exit code."""
     with started(ZOMBIE) as process:

@@ -20,7 +20,6 @@ def done(points: float) -> ExamResult:
 
 
 def test_full_marks_less_and_reviews_are_counted():
-    """A submission for review counts neither as full marks nor as less than full marks."""
     counts = Counter(map(kind_of, (done(2), done(1), done(2))))
     assert text_of(counts) == '2 full marks, 1 less'
 
@@ -48,7 +47,6 @@ def test_a_short_grading_prints_nothing_into_a_log(capsys):
 
 
 def test_a_line_in_a_log_has_counts_and_the_time_left():
-    """The time left is unknown at first, and is then estimated from the runs so far."""
     assert line_of(Counter(), 8, 3.0) == '0 of 8 runs'
 
     counts = Counter(map(kind_of, (done(2), done(1))))
@@ -75,16 +73,22 @@ def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
 
 
 def test_the_summary_names_who_took_longest_over_all_exams():
-    """Equal files share a recording and its duration, so the first student by name is named."""
+    """
+    Equal files share a run and its duration, so the first student by name is named.
 
-    def took(student: str, *seconds: float) -> SubmissionResult:
-        exams = (ExamResult('e', (), timing={'kept_run_s': one}) for one in seconds)
+    The runs of earlier gradings do not count.
+    """
+
+    def took(student: str, *seconds: float, kept: float = 0.0) -> SubmissionResult:
+        times = ({'kept_run_s': kept}, *({'run_s': one} for one in seconds))
+        exams = (ExamResult('e', (), timing=one) for one in times)
         return SubmissionResult(student, 'x', tuple(exams))
 
-    results = [took('cho', 2.0), took('\x1b[31mbob', 1.5, 0.5), took('ann', 0.5)]
+    results = [took('cho', 2.0), took('\x1b[31mbob', 1.5, 0.5), took('ann', 0.5, kept=9.0)]
     said = about_runs(results, 3.0, 2.5)
 
     assert said.startswith('3 submissions in 3.0 s, of which runs took 2.5 s; longest run time: ')
     assert said.endswith('[31mbob, 2.0 s.')
     assert '\x1b' not in said
-    assert 'longest' not in about_runs([took('ann'), took('bob')], 1.0, 1.0)
+    said = about_runs([took('ann', kept=9.0), took('bob')], 1.0, 1.0)
+    assert said == '2 submissions in 1.0 s, of which runs took 1.0 s; no program had to run.'

@@ -53,12 +53,10 @@ def test_threads_do_not_disturb_one_another():
 
 @pytest.mark.parametrize('text', ['x = (', 'a\0b', '(' * 5000, 'return' * 3 + '!'])
 def test_what_is_no_python_says_so(text):
-    """Every failure of Python's parser gives the same error."""
     with pytest.raises(NotPythonError):
         parsed(text)
 
 
 def test_odd_escapes_are_no_warning(recwarn):
-    """An invalid escape is the learner's mistake, not the grader's."""
     assert isinstance(parsed(r"x = '\d'"), ast.Module)
     assert not recwarn.list

@@ -29,13 +29,8 @@ NODES = {
     'managed_pressure': ('pressure_monitor',),
 }
 CODE = 'class Mine(Node):\n    create_timer, create_subscription\n    self.publisher.publish(m)\n'
-RELIABLE = {
-    'reliability': 'RELIABLE',
-    'durability': 'VOLATILE',
-    'liveliness': 'AUTOMATIC',
-    'deadline_ns': None,
-    'lifespan_ns': None,
-}
+RELIABLE = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', 'liveliness': 'AUTOMATIC'}
+RELIABLE |= dict.fromkeys(['deadline_ns', 'lifespan_ns'])
 LATCHED = {**RELIABLE, 'durability': 'TRANSIENT_LOCAL'}
 BEGINS_NS, TICK_S = 550_000_000, 0.25
 SENT = {'event': 'input', 'index': 0}
@@ -128,12 +123,10 @@ class Played:
         self.note('process', killed='', stdout='', **code)
 
     def note(self, event: str, **facts: Any) -> None:
-        """Record an event."""
         moment = {'clock_ns': self.clock_ns, 'after_input': self.index}
         self.events.append({'event': event, **moment, **facts})
 
     def graph(self, when: str) -> None:
-        """Record the nodes and endpoints."""
         ends = list(self.ends()) if self.program.ends else []
         self.note('graph', when=when, nodes=self.nodes, endpoints=ends)
 
@@ -184,7 +177,6 @@ class Played:
             self.note('offered', publisher=step.name, matched=True, refused=[])
 
     def wait(self, seconds: float) -> None:
-        """Advance the virtual time."""
         self.clock_ns += round(seconds * 1e9)
 
     def say(self) -> None:
@@ -251,9 +243,11 @@ def failures(exam: Exam) -> Iterator[tuple[str, Run, CheckResult]]:
                 yield name, run, check
 
 
-@pytest.mark.parametrize('name', NAMES)
+each_exam = pytest.mark.parametrize('name', NAMES)
+
+
+@each_exam
 def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
-    """No text reveals inputs, even if the program repeats everything that it received."""
     exam = catalog.load(name)
     found = list(failures(exam))
     revealed = [
@@ -266,7 +260,7 @@ def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
     assert {check.check for _, _, check in found} == {check.name for check in exam.checks}
 
 
-@pytest.mark.parametrize('name', NAMES)
+@each_exam
 def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
     """Pictures contain topic names too."""
     exam = catalog.load(name)
@@ -299,7 +293,7 @@ def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
     assert any(revealed_values(exam, texts_of(check)) for _, _, check in failures(exam))
 
 
-@pytest.mark.parametrize('name', NAMES)
+@each_exam
 def test_a_namespace_is_long_enough_to_be_left_out_of_texts(name):
     """A shorter namespace could be part of a word."""
     for start in catalog.load(name).scenario.starts:
@@ -312,53 +306,31 @@ class TestWords:
         ('exam', 'program', 'check', 'words'),
         [
             (
-                'night_watch',
-                'has another name',
-                'starts_in_the_namespace',
-                'a node called night_watch in the namespace that we chose',
-            ),
-            (
-                'night_watch',
-                'has another name',
-                'starts_in_the_namespace',
+                *('night_watch', 'has another name', 'starts_in_the_namespace'),
+                'a node called night_watch in the namespace that we chose\n'
                 'Your program has a node called night_watcher, but none called night_watch.',
             ),
             (
-                'talker',
-                'keeps and asks for old messages',
-                'offers_reliable_qos',
+                *('talker', 'keeps and asks for old messages', 'offers_reliable_qos'),
                 'The publisher on chatter has the durability TRANSIENT_LOCAL instead of VOLATILE.',
             ),
             (
-                'map_server',
-                'repeats in other words',
-                'publishes_each_survey',
-                'a map for each survey, in the same order',
-            ),
-            (
-                'map_server',
-                'repeats in other words',
-                'publishes_each_survey',
+                *('map_server', 'repeats in other words', 'publishes_each_survey'),
+                'a map for each survey, in the same order\n'
                 'A published map is not the text of a survey.',
             ),
             ('sensor_watch', 'is mute', 'logs_each_distance', 'the number of distance 1'),
-            (
-                'temperature_publisher',
-                'repeats',
-                'stamps_follow_the_clock',
-                'an earlier stamp',
-            ),
+            ('temperature_publisher', 'repeats', 'stamps_follow_the_clock', 'an earlier stamp'),
         ],
     )
     def test_feedback_speaks_of_kinds_and_relations(self, exam, program, check, words):
-        """The sentences remain complete without the hidden values."""
         texts = [
             texts_of(one)
             for name, _, one in failures(catalog.load(exam))
             if (name, one.check) == (program, check)
         ]
 
-        assert words in texts[0]
+        assert all(part in texts[0] for part in words.splitlines())
 
     @pytest.mark.parametrize(
         ('facts', 'events', 'code', 'shown'),
@@ -371,12 +343,10 @@ class TestWords:
         ids=['public', 'nothing sent', 'in the code', 'perhaps an echo'],
     )
     def test_own_words_are_quoted_unless_they_may_be_an_echo(self, facts, events, code, shown):
-        """Words that are in the student's code are not an echo of the inputs."""
         run = Run({'a.py': code}, Recording({}, events), facts)
 
         assert safe_quotation(run, 'a map', 'another text') == shown
 
     def test_numbers_of_a_quoted_line_are_left_out(self):
-        """The numbers are left out only if they may be hidden inputs."""
         assert redacted(Run({}, Recording({}, ()), {}), '16.2 m') == '16.2 m'
         assert redacted(Run({}, Recording({}, ()), {'secret': True}), '16.2 m') == '… m'

@@ -4,45 +4,25 @@ The check of a release: notebooks, exams and the students' files match.
 ``make check`` runs this check on the course.
 """
 
-from dataclasses import dataclass
-
+from collect_sources import laid
+from fake_grading import answer, cell, FakeExam
 import pytest
 
+from autograder.__main__ import main
 from autograder.authoring import release as course
+from autograder.commands import authoring as command
 from autograder.layout import Layout
 
-
-@dataclass(frozen=True)
-class FakeExam:
-    """The parts of an exam that the check of a release needs."""
-
-    name: str = 'talker'
-    cells: tuple[str, ...] = ('talker',)
-    max_points: float = 3
-
-
-def cell(grade_id, source, **marks):
-    return {
-        'cell_type': 'code',
-        'metadata': {'nbgrader': {'grade_id': grade_id, **marks}},
-        'source': source,
-        'outputs': [],
-        'execution_count': None,
-    }
-
-
-ANSWER = cell('talker', '%%node talker\nx', solution=True)
+ANSWER = answer('x')
 CHECK = cell('check_talker', "check('talker')", grade=True, points=3)
 
 
-def unfit(*cells, exams=(FakeExam(),)):
+def unfit(*cells):
     """Return the mistakes in a notebook with some cells."""
-    return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', exams))
+    return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', (FakeExam(),)))
 
 
 class TestCheckCells:
-    """Each exam has one cell, below its answers, with its points."""
-
     def test_a_fitting_pair_is_fine(self):
         assert unfit(ANSWER, CHECK) == []
 
@@ -82,10 +62,7 @@ class TestCheckCells:
 
 def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
     """CI machines may check a project out into a folder called build."""
-    folder = tmp_path / 'build' / 'notebooks'
-    for name in ('01/a.ipynb', '01/ros_ws/x.py'):
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(name)
+    folder = laid(tmp_path / 'build' / 'notebooks', {'01/a.ipynb': b'', '01/ros_ws/x.py': b''})
 
     assert sorted(course._contents(folder)) == ['01/a.ipynb']
 
@@ -100,27 +77,35 @@ def test_symbolic_link_in_a_release_is_compared_like_a_file(tmp_path):
 
 
 class TestRelease:
-    @pytest.fixture
+    @pytest.fixture(autouse=True)
     def layout(self, tmp_path, monkeypatch):
         """Return a course whose notebooks need not be generated."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(tmp_path)))
-        monkeypatch.setattr(course, 'generate', lambda layout, folder: ['01'])
-        return Layout(tmp_path)
+        monkeypatch.setattr(command, 'generate', lambda layout, folder: ['01'])
 
-    def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):
+    def test_a_course_that_does_not_fit_together_is_not_packed(self, monkeypatch, capsys):
         """The old bundle is kept, and the mistakes are listed."""
-        monkeypatch.setattr(course, 'check', lambda layout: ['x.ipynb: 4 points'])
-        monkeypatch.setattr(course, 'pack', lambda *_: pytest.fail('It was packed.'))
+        monkeypatch.setattr(command, 'check', lambda layout: ['x.ipynb: 4 points'])
+        monkeypatch.setattr(command, 'pack', lambda *_: pytest.fail('It was packed.'))
 
-        assert course.main(['release']) == 1
+        assert main(['release']) == 1
 
-        captured = capsys.readouterr()
-        assert captured.out == 'x.ipynb: 4 points\n'
-        assert captured.err == 'course: not packed. Try: fix these mistakes, then make release\n'
+        assert capsys.readouterr().out.splitlines() == [
+            'x.ipynb: 4 points',
+            'Nothing was packed. Try: correct these mistakes, then release again.',
+        ]
 
-    def test_a_course_that_fits_together_is_packed(self, layout, monkeypatch, capsys):
-        monkeypatch.setattr(course, 'check', lambda layout: [])
-        monkeypatch.setattr(course, 'pack', lambda layout, bundle, answers: 7)
+    def test_a_course_that_fits_together_is_packed(self, monkeypatch, capsys):
+        monkeypatch.setattr(command, 'check', lambda layout: [])
+        monkeypatch.setattr(command, 'pack', lambda layout, bundle, answers: 7)
 
-        assert course.main(['release']) == 0
+        assert main(['release']) == 0
         assert 'student_bundle.zip contains 7 files' in capsys.readouterr().out
+
+    def test_a_check_writes_nothing(self, monkeypatch, capsys):
+        monkeypatch.setattr(command, 'check', lambda layout: [])
+        for writer in ('generate', 'pack'):
+            monkeypatch.setattr(command, writer, lambda *_: pytest.fail('It was written.'))
+
+        assert main(['release', '--check']) == 0
+        assert capsys.readouterr().out == 'The notebooks and the exams agree.\n'

@@ -20,7 +20,6 @@ def driven(*commands: tuple[float, float, float], until_s: float) -> Track:
 
 
 def test_robot_drives_as_the_last_command_says_until_another_arrives():
-    """The robot does not move before the first command, nor after a stop command."""
     track = driven((1.0, 0.5, 0.0), (3.0, 0.0, 0.0), until_s=9.0)
 
     assert track.pose == pytest.approx((1.0, 0.0, 0.0))
@@ -29,7 +28,6 @@ def test_robot_drives_as_the_last_command_says_until_another_arrives():
 
 
 def test_robot_drives_an_exact_arc():
-    """A half circle with radius 0.5 m ends one metre to the left, facing backwards."""
     track = driven((0.0, 0.5, 1.0), until_s=math.pi)
 
     assert track.pose == pytest.approx((0.0, 1.0, math.pi))
@@ -48,7 +46,6 @@ def test_track_is_the_same_however_often_it_is_asked():
 
 
 def test_wall_holds_the_robot_until_it_turns_away():
-    """Repeated commands at a wall count as one contact; driving backwards leaves the wall."""
     held = driven((0.0, 1.0, 0.0), (6.0, 1.0, 0.0), (6.5, 1.0, 0.0), until_s=8.0)
 
     assert held.at_wall
@@ -69,7 +66,6 @@ def test_command_that_is_not_finite_stops_the_robot():
 
 
 def test_picture_says_the_same_in_words_signs_and_table():
-    """All three show the received commands; equal consecutive commands share a table row."""
     track = driven((0.0, 0.5, 0.0), (0.1, 0.5, 0.0), until_s=0.1)
     track.obey(1.0, 0.0, 0.0, DEADLINE)
     track.obey(2.0, 0.0, 0.0)
@@ -92,7 +88,6 @@ def test_picture_says_the_same_in_words_signs_and_table():
 
 
 def test_picture_of_a_long_drive_stays_small():
-    """An hour with ten commands per second still gives a small page."""
     track = Track()
     for tenth in range(36_000):
         track.obey(tenth / 10, 0.3, 0.4 if tenth % 50 else -0.4)
@@ -101,7 +96,6 @@ def test_picture_of_a_long_drive_stays_small():
 
 
 def test_refused_publisher_is_named():
-    """The picture of a robot that receives nothing gives the reason."""
     page = track_html(driven(until_s=1.0), refused='RELIABILITY')
 
     assert 'a publisher was refused: RELIABILITY' in page

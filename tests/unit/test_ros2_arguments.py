@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from builtin_interfaces.msg import Time
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Empty, Float64MultiArray, Header, String
 
@@ -51,7 +52,6 @@ def test_help_lists_every_verb_and_its_options(group, capsys):
 
 
 def test_help_says_what_it_is(capsys):
-    """The help says that this is not the complete ros2 command."""
     assert cli.main([]) == 0
     text = ' '.join(capsys.readouterr().out.split())
     assert "The course's own small ros2 command" in text
@@ -80,7 +80,6 @@ def test_group_without_verb_prints_its_help(capsys):
 
 @pytest.mark.parametrize('words', [['topik'], ['topic', 'lst'], ['topic', 'pub', '-1', '-t', '2']])
 def test_unknown_words_end_with_code_2_and_what_there_is(words, capsys):
-    """For a typing mistake, the error lists the choices."""
     with pytest.raises(SystemExit) as ended:
         cli.main(words)
 
@@ -89,7 +88,6 @@ def test_unknown_words_end_with_code_2_and_what_there_is(words, capsys):
 
 
 def test_command_of_a_full_installation_is_distinguished_from_a_typing_mistake():
-    """`ros2 action` exists, but not here."""
     words = cli.main(['action', 'a', 'b'])
 
     assert words.startswith('ros2 action belongs to a full installation')
@@ -97,7 +95,6 @@ def test_command_of_a_full_installation_is_distinguished_from_a_typing_mistake()
 
 
 def test_daemon_answers_honestly(capsys):
-    """The course's command has no daemon, and cannot start one."""
     assert cli.main(['daemon', 'status']) is None
     assert capsys.readouterr().out.startswith('The daemon is not running')
     assert 'cannot be started' in cli.main(['daemon', 'start'])
@@ -108,7 +105,6 @@ def test_daemon_answers_honestly(capsys):
     [(None, 0, ''), (0, 0, ''), (1, 1, ''), ('Node not found', 1, 'Node not found\n')],
 )
 def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, capsys):
-    """A string is an error message, as in the real command."""
     monkeypatch.setattr(cli, 'main', lambda arguments: outcome)
 
     with pytest.raises(SystemExit) as ended:
@@ -117,7 +113,6 @@ def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, c
 
 
 def qos_of(*words):
-    """Return the QoS that the options request."""
     parser = ArgumentParser()
     for names, how, _ in qos_options.qos_arguments('publish', 'default'):
         parser.add_argument(*names, **how)
@@ -125,7 +120,6 @@ def qos_of(*words):
 
 
 def test_qos_options_change_their_profile():
-    """Other policies keep the profile's values; without options, no QoS is requested."""
     quick = qos_of('--qos-profile', 'sensor_data', '--qos-depth', '3')
     kept = qos_of('--qos-durability', 'transient_local')
 
@@ -159,7 +153,6 @@ BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     ],
 )
 def test_qos_for_publishers_hears_all(publishers, reliability, durability, lines, capsys):
-    """The QoS is the strongest that all publishers offer; a message names weakened policies."""
     qos = graph.qos_for_publishers(Graph(*publishers), '/x')
 
     assert (qos.reliability.name, qos.durability.name) == (reliability, durability)
@@ -167,10 +160,7 @@ def test_qos_for_publishers_hears_all(publishers, reliability, durability, lines
 
 
 def test_fill_sets_nested_fields_arrays_and_the_time():
-    """YAML values are converted to the types of fields, in messages, arrays and times."""
-    array, now = Float64MultiArray(), Header().stamp
-    now.sec = 5
-    header, text = Header(), String()
+    array, header, text, now = Float64MultiArray(), Header(), String(), Time(sec=5)
     layout = '{data: [1, 2.5], layout: {dim: [{label: x, size: 2}], data_offset: 1}}'
 
     topic_pub.fill(array, topic_pub.parsed(layout))
@@ -184,19 +174,16 @@ def test_fill_sets_nested_fields_arrays_and_the_time():
 
 @pytest.mark.parametrize('text', ['[1, 2]', 'seven', '{a: ', '5'])
 def test_values_that_are_no_mapping_are_refused(text):
-    """The YAML must be a mapping from field names to values."""
     with pytest.raises(RuntimeError, match='YAML'):
         topic_pub.parsed(text)
 
 
 def test_fill_unknown_field_names_it():
-    """The error is the one that the message class raises."""
     with pytest.raises(AttributeError, match="'Empty' object has no attribute 'x'"):
         topic_pub.fill(Empty(), {'x': 1})
 
 
 def test_selected_walks_along_a_path():
-    """A path may contain nested fields and array items; the error names a wrong field."""
     header = Header(frame_id='map')
     header.stamp.sec = 3
 
@@ -215,7 +202,6 @@ PARTS = {
 
 @pytest.fixture
 def files(tmp_path, monkeypatch):
-    """Provide interface definitions in files."""
     for name, text in PARTS.items():
         (tmp_path / name.replace('/', '-')).write_text(text)
     path = tmp_path.joinpath
@@ -223,7 +209,6 @@ def files(tmp_path, monkeypatch):
 
 
 def test_definition_puts_parts_below_their_field(files):
-    """The interface's comments are shown; those of its parts only on request."""
     lines = list(definition('a/msg/Whole', 'all', 'none'))
 
     assert lines == [
@@ -251,7 +236,6 @@ def test_definition_puts_parts_below_their_field(files):
     ],
 )
 def test_interface_names_are_explained(name, words, monkeypatch):
-    """An invalid form, an unknown package and a missing file give different errors."""
     monkeypatch.setenv('AMENT_PREFIX_PATH', ros_environment().variables['AMENT_PREFIX_PATH'])
     with pytest.raises((ValueError, LookupError), match=words):
         interface.interface_file(name)
@@ -274,9 +258,7 @@ def new_package(build_type, node='speak'):
 
 @pytest.mark.parametrize('build_type', ['ament_cmake', 'ament_python'])
 def test_manifest_of_a_new_package_is_right(build_type):
-    """Any description gives valid XML, with dependencies and build type."""
-    write = {'ament_cmake': pkg_files.ament_cmake_files}
-    files = write.get(build_type, pkg_files.ament_python_files)(new_package(build_type))
+    files = getattr(pkg_files, f'{build_type}_files')(new_package(build_type))
     root = ElementTree.fromstring(files['package.xml'])
 
     assert root.findtext('description') == "A & B's <thing>"
@@ -286,7 +268,6 @@ def test_manifest_of_a_new_package_is_right(build_type):
 
 
 def test_python_files_compile_and_name_the_program():
-    """The entry point in setup.py is a function in the node's file; no node, no entry point."""
     files = pkg_files.ament_python_files(new_package('ament_python'))
     for name, text in files.items():
         if name.endswith('.py'):
@@ -299,13 +280,10 @@ def test_python_files_compile_and_name_the_program():
 
 
 def test_pkg_create_refuses_bad_names(tmp_path):
-    """A name that would break the build is refused before anything is written."""
-    folder = ['--destination-directory', str(tmp_path)]
+    def created(*words):
+        return cli.main(['pkg', 'create', *words, '--destination-directory', str(tmp_path)])
 
-    assert "'My-Pkg' is not a valid package name" in cli.main(['pkg', 'create', 'My-Pkg', *folder])
-    assert 'not a valid node name' in cli.main(
-        ['pkg', 'create', 'a', '--node-name', 'x y', *folder]
-    )
-    kind = ['--build-type', 'ament_python']
-    assert "can't be named 'test'" in cli.main(['pkg', 'create', 'test', *kind, *folder])
+    assert "'My-Pkg' is not a valid package name" in created('My-Pkg')
+    assert 'not a valid node name' in created('a', '--node-name', 'x y')
+    assert "can't be named 'test'" in created('test', '--build-type', 'ament_python')
     assert list(tmp_path.iterdir()) == []

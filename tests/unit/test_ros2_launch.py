@@ -29,7 +29,6 @@ def read(folder, inside):
 
 
 def test_node_becomes_a_command_with_its_names_and_parameters(installed):
-    """Names and parameters follow --ros-args; a relative namespace gets a slash."""
     (start,) = read(
         installed,
         """<node pkg="my_robot_pkg" exec="talker" name="crier" namespace="lab" output="screen">
@@ -78,6 +77,5 @@ def test_launch_file_refused_says_why(installed, inside, said):
     ],
 )
 def test_missing_launch_file_is_named(installed, words, said):
-    """The error shows the path that was searched."""
     with pytest.raises(RuntimeError, match=said):
         launch.find(*words)

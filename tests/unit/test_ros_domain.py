@@ -58,12 +58,8 @@ def claiming(name):
     processes = []
 
     def start():
-        process = subprocess.Popen(
-            [sys.executable, '-c', CLAIM, name],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
+        pipes = {'stdin': subprocess.PIPE, 'stdout': subprocess.PIPE, 'text': True}
+        process = subprocess.Popen([sys.executable, '-c', CLAIM, name], **pipes)
         processes.append(process)
         return process, process.stdout.readline().strip()
 
@@ -83,7 +79,6 @@ def kernel(monkeypatch):
 
 
 def test_claimed_domain_is_not_given_twice(name):
-    """The second claim gets the next number, and the number of a closed claim is free."""
     first, second = claim([3, 4]), claim([3, 4])
     assert (first.domain, second.domain) == (3, 4)
     assert claim([3, 4]) is None
@@ -117,7 +112,6 @@ def test_claim_is_not_inherited_by_child_processes(name):
 
 
 def test_kernels_of_one_notebook_have_different_domains(name, monkeypatch):
-    """Processes that a cell starts inherit the number in ROS_DOMAIN_ID."""
     _, first = kernel(monkeypatch)
     assert os.environ['ROS_DOMAIN_ID'] == str(first.domain)
     _, second = kernel(monkeypatch)
@@ -140,7 +134,6 @@ def test_restarted_kernel_has_the_domain_of_before(name, monkeypatch):
 
 
 def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatch, capsys):
-    """The kernel uses domain 0, and prints a remedy once."""
     held = [claim([number]) for number in DOMAINS]
     shell, claimed = kernel(monkeypatch)
     assert (claimed, os.environ['ROS_DOMAIN_ID'], capsys.readouterr().out) == (None, '0', '')
@@ -157,7 +150,6 @@ def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatc
 
 
 def test_domain_set_by_the_user_is_kept(name, monkeypatch, capsys):
-    """Other kernels avoid this domain; a second kernel with the same setting shares it."""
     monkeypatch.setenv('ROS_DOMAIN_ID', '42')
     shell = Shell()
     kernel_domain.claim_domain(shell)
@@ -173,8 +165,6 @@ def test_domain_set_by_the_user_is_kept(name, monkeypatch, capsys):
 
 
 def test_system_without_abstract_sockets_is_named(name, monkeypatch, capsys):
-    """The kernel starts anyway, in domain 0."""
-
     def refuse(domains):
         raise OSError(2, 'No such file or directory')
 

@@ -21,7 +21,6 @@ def learner(tmp_path):
 
 
 def test_files_lie_where_a_ros_package_has_them(learner):
-    """Nodes go to the inner folder, messages to msg/, other files to the top folder."""
     paths = [
         learner.path_of(CellFile(kind, name, ''))
         for kind, name in [('node', 'a'), ('rosmsg', 'A'), ('rospkg', 'package.xml')]
@@ -35,7 +34,6 @@ def test_files_lie_where_a_ros_package_has_them(learner):
 
 
 def test_saved_file_replaces_the_older_one_at_once(learner):
-    """A process that has the older file open can still read it; no temporary files remain."""
     path = learner.save(CellFile('node', 'a', 'old\n'))
     with path.open() as older:
         learner.save(CellFile('node', 'a', 'new\n'))
@@ -46,7 +44,6 @@ def test_saved_file_replaces_the_older_one_at_once(learner):
 
 
 def test_link_out_of_the_package_is_refused(learner, tmp_path):
-    """A cell cannot write to the target of a link."""
     learner.folder.mkdir(parents=True)
     (learner.folder / 'msg').symlink_to(tmp_path)
     with pytest.raises(NameRefusedError, match='link'):
@@ -56,7 +53,6 @@ def test_link_out_of_the_package_is_refused(learner, tmp_path):
 
 
 def test_texts_are_keyed_as_the_grader_keys_them(learner):
-    """Node files are found under their own names; hidden and compiled files are not found."""
     learner.save(CellFile('node', 'a', 'pass\n'))
     learner.save(CellFile('rosmsg', 'A', 'int64 x\n'))
     (learner.folder / 'temp_monitor_pkg' / '__pycache__').mkdir()
@@ -73,7 +69,6 @@ def test_package_name_that_ros_would_refuse_is_refused(name):
 
 
 def test_package_name_can_be_chosen(monkeypatch, tmp_path):
-    """A different lesson saves its cells in a different package."""
     monkeypatch.setattr(package_files, '_name', 'temp_monitor_pkg')
     monkeypatch.chdir(tmp_path)
 
@@ -82,12 +77,9 @@ def test_package_name_can_be_chosen(monkeypatch, tmp_path):
     assert learner_package().folder == tmp_path / 'ros_ws/src/num_pkg'
 
 
-def run(code, tmp_path, deadline_s=20.0):
-    """Run a line of Python in a child process."""
-    command = [sys.executable, '-c', code]
-    return run_command.run(
-        command, cwd=tmp_path, env=os.environ, deadline_s=deadline_s, tick_s=0.05
-    )
+def run(code, tmp_path, deadline_s=20.0, **options):
+    facts = {'cwd': tmp_path, 'env': os.environ, 'tick_s': 0.05, **options}
+    return run_command.run([sys.executable, '-c', code], deadline_s=deadline_s, **facts)
 
 
 def test_child_returns_its_output_and_code(tmp_path):
@@ -113,15 +105,29 @@ def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
 
 
 def test_long_output_is_cut_at_its_beginning(tmp_path):
-    """Endless output does not fill the kernel's memory; its last part is kept."""
     outcome = run('print("x" * 5_000_000); print("end")', tmp_path)
 
     assert len(outcome.output) <= 2_000_000
     assert outcome.output.endswith('end\n')
 
 
+def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
+    seen = []
+
+    def on_tick(seconds, output):
+        seen.append(output)
+        if '[1/2]' in output:
+            (tmp_path / 'go').touch()
+
+    waits = 'while not os.path.exists("go"): time.sleep(0.01)'
+    code = f'import os, time\nprint("[1/2]", flush=True)\n{waits}\nprint(2)'
+    outcome = run(code, tmp_path, deadline_s=60.0, on_tick=on_tick, tick_s=0.01)
+
+    assert '[1/2]\n' in seen
+    assert (outcome.returncode, outcome.output) == (0, '[1/2]\n2\n')
+
+
 @pytest.mark.parametrize('folder', ['/', '/tmp', '/nowhere/a/b/c'])
 def test_a_folder_in_no_workspace_is_not_built(folder):
-    """A very short path is refused in the same way."""
     with pytest.raises(NotHereError, match='expected a package inside a workspace'):
         build_messages(folder)

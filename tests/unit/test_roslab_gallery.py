@@ -11,7 +11,7 @@ import pytest
 
 from roslab.error_hints import defined_names
 from roslab.errors import RoslabError
-from roslab.gallery import entries, Entry, explain, LESSON, nearest
+from roslab.gallery import entries, explain, LESSON, nearest
 
 NOTEBOOK = Path(__file__).resolve().parents[2] / 'solutions' / LESSON / 'what_went_wrong.ipynb'
 
@@ -30,13 +30,11 @@ def heading_of(text: str) -> str:
 
 
 @each_entry
-def test_heading_of_an_exhibit_leads_to_its_entry(entry: Entry) -> None:
-    """A heading of the lesson, pasted into explain(), gives that exhibit first."""
+def test_heading_of_an_exhibit_leads_to_its_entry(entry):
     assert nearest(entry.heading)[0] == entry
 
 
-def test_entries_and_exhibits_are_the_same() -> None:
-    """Each entry has an exhibit of three cells under its heading, and each exhibit an entry."""
+def test_entries_and_exhibits_are_the_same():
     cells = sources()
     headings = {heading_of(text) for name, text in cells.items() if name.endswith('-what')}
 
@@ -48,7 +46,7 @@ def test_entries_and_exhibits_are_the_same() -> None:
 
 
 @each_entry
-def test_exhibit_needs_the_setup_and_no_other_exhibit(entry: Entry) -> None:
+def test_exhibit_needs_the_setup_and_no_other_exhibit(entry):
     """A reader may run only the setup and one cell; `caught` would hide a missing name."""
     cells = sources()
     ready = {
@@ -68,56 +66,55 @@ def test_exhibit_needs_the_setup_and_no_other_exhibit(entry: Entry) -> None:
     assert lacking <= {'Float32'}  # the exhibit lacks its import
 
 
-def test_names_of_a_learner_do_not_disturb() -> None:
-    """A message is recognised whatever the learner's nodes, classes and packages are called."""
-    found = [
-        nearest("Package 'bumper_cars' not found")[0].key,
-        nearest("property 'timers' of 'Clock' object has no setter")[0].key,
-        nearest("ModuleNotFoundError: No module named 'bumper_cars.msg'")[0].key,
-        nearest("The 'speed' field must be of type 'float'")[0].key,
-        nearest("s.c:58: t__convert_from_py: Assertion `PyFloat_Check(field)' failed.")[0].key,
-    ]
-
-    assert found == ['no-package', 'no-setter', 'no-msg', 'int-field', 'tiny']
+LOG = 'Traceback ...\n  File "x.py"\nRuntimeError: Context.init() must only\n be called once\n'
 
 
-def test_message_in_a_long_log_is_found() -> None:
-    """Line breaks and text around a message do not matter."""
-    log = 'Traceback ...\n  File "x.py"\nRuntimeError: Context.init() must only\n be called once\n'
-
-    assert nearest(log)[0].key == 'init-twice'
-
-
-def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str]) -> None:
-    """An explanation says what happened, what to do, and where the lesson shows the error."""
-    explain('No executable found')
-
-    said = capsys.readouterr().out
-    assert said.startswith('What happened: The package has installed no program')
-    assert 'Repair: Declare it in `entry_points`' in said
-    assert f'More: lesson {LESSON}, "No executable found"' in said
+@pytest.mark.parametrize(
+    ('message', 'key'),
+    [
+        ("Package 'bumper_cars' not found", 'no-package'),
+        ("property 'timers' of 'Clock' object has no setter", 'no-setter'),
+        ("ModuleNotFoundError: No module named 'bumper_cars.msg'", 'no-msg'),
+        ("The 'speed' field must be of type 'float'", 'int-field'),
+        ("s.c:58: t__convert_from_py: Assertion `PyFloat_Check(field)' failed.", 'tiny'),
+        (LOG, 'init-twice'),
+    ],
+)
+def test_message_is_recognised_whatever_the_learners_names_are_and_in_a_long_log(message, key):
+    assert nearest(message)[0].key == key
 
 
-def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
-    """The search includes the class of the exception."""
-    explain(NameError("name 'Float32' is not defined"))
+@pytest.fixture
+def said(capsys):
+    """Return a function that returns what explain() prints."""
 
-    assert 'Import it' in capsys.readouterr().out
+    def explained(*error):
+        explain(*error)
+        return capsys.readouterr().out
 
-
-def test_explain_looks_at_the_last_error(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Without an argument, explain() explains the last error in this interpreter."""
-    monkeypatch.setattr(
-        sys, 'last_value', TypeError("'NoneType' object is not callable"), raising=False
-    )
-    explain()
-
-    assert 'without brackets' in capsys.readouterr().out
+    return explained
 
 
-def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_explain_says_cause_repair_and_place(said):
+    text = said('No executable found')
+
+    assert text.startswith('What happened: The package has installed no program')
+    assert 'Repair: Declare it in `entry_points`' in text
+    assert f'More: lesson {LESSON}, "No executable found"' in text
+
+
+def test_explain_takes_an_exception(said):
+    assert 'Import it' in said(NameError("name 'Float32' is not defined"))
+
+
+def test_explain_looks_at_the_last_error(said, monkeypatch):
+    last = TypeError("'NoneType' object is not callable")
+    monkeypatch.setattr(sys, 'last_value', last, raising=False)
+
+    assert 'without brackets' in said()
+
+
+def test_explain_without_an_error_says_what_to_give(monkeypatch):
     monkeypatch.delattr(sys, 'last_value', raising=False)
 
     with pytest.raises(RoslabError, match='there was no error'):
@@ -125,51 +122,41 @@ def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize('nonsense', [3, '', '  '])
-def test_explain_refuses_what_is_no_error(nonsense: object) -> None:
-    """For a number or an empty string, the answer is an example of a correct call."""
+def test_explain_refuses_what_is_no_error(nonsense):
     with pytest.raises(RoslabError, match='expected an error message'):
         explain(nonsense)
 
 
-def test_explain_knows_the_errors_of_a_build(capsys: pytest.CaptureFixture[str]) -> None:
-    """An error that is not in the gallery is looked up among the causes of failed builds."""
-    explain("CMake Error: the passed dependency 'geometry_msgs' has not been found before using")
+def test_explain_knows_the_errors_of_a_build(said):
+    error = "CMake Error: the passed dependency 'geometry_msgs' has not been found before using"
 
-    assert 'find_package(geometry_msgs REQUIRED)' in capsys.readouterr().out
-
-
-def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
-    """For an unknown message, explain() suggests next steps and does not guess."""
-    explain('RCLError: the robot has eaten the map')
-
-    said = capsys.readouterr().out
-    assert said.startswith('Not in the gallery: RCLError: the robot has eaten the map')
-    assert 'What happened' not in said
-    assert 'robotics.stackexchange.com' in said
+    assert 'find_package(geometry_msgs REQUIRED)' in said(error)
 
 
-def raised(code: str, name: str = '__main__') -> BaseException:
+def test_explain_says_what_it_does_not_know(said):
+    text = said('RCLError: the robot has eaten the map')
+
+    assert text.startswith('Not in the gallery: RCLError: the robot has eaten the map')
+    assert 'What happened' not in text
+    assert 'robotics.stackexchange.com' in text
+
+
+def raised(code, name='__main__'):
     """Return the exception that this code raises in the module of this name."""
-    try:
+    with pytest.raises(Exception) as caught:  # noqa: PT011
         exec(code, {'__name__': name})
-    except Exception as error:
-        return error
-    raise AssertionError('nothing was raised')
+    return caught.value
 
 
 @pytest.mark.parametrize(
     'error', [ZeroDivisionError(), raised('1 / 0'), 'IndexError: list index out of range']
 )
-def test_error_of_python_leads_to_its_manual(
-    error: str | BaseException, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """For an error of Python itself, explain() does not point to rclpy's issues."""
-    explain(error)
+def test_error_of_python_leads_to_its_manual(error, said):
+    text = said(error)
 
-    said = capsys.readouterr().out
-    assert 'is an error of Python itself' in said
-    assert 'docs.python.org' in said
-    assert 'rclpy' not in said
+    assert 'is an error of Python itself' in text
+    assert 'docs.python.org' in text
+    assert 'rclpy' not in text
 
 
 @pytest.mark.parametrize(
@@ -179,35 +166,23 @@ def test_error_of_python_leads_to_its_manual(
         'RuntimeError: rcl_take failed, no more',
     ],
 )
-def test_builtin_error_that_ros_raises_leads_to_its_issues(
-    error: str | BaseException, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The raising code or the message shows that the error comes from ROS."""
-    explain(error)
-
-    assert 'github.com/ros2/rclpy' in capsys.readouterr().out
+def test_builtin_error_that_ros_raises_leads_to_its_issues(error, said):
+    assert 'github.com/ros2/rclpy' in said(error)
 
 
 @pytest.mark.parametrize(
     ('written', 'meant'),
     [('tmie', 'time'), ('nunpy', 'numpy'), ('randm', 'random'), ('yaaml', 'yaml')],
 )
-def test_misspelt_module_is_named(
-    written: str, meant: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A name close to that of an existing module is a typo, not a package that was not built."""
-    explain(f"ModuleNotFoundError: No module named '{written}'")
+def test_misspelt_module_is_named(written, meant, said):
+    text = said(f"ModuleNotFoundError: No module named '{written}'")
 
-    said = capsys.readouterr().out
-    assert f'{meant} exists' in said
-    assert 'source install' not in said
+    assert f'{meant} exists' in text
+    assert 'source install' not in text
 
 
 @pytest.mark.parametrize('name', ['weather_station', 'my_interfaces', 'tme', 'cv2'])
-def test_module_that_nothing_resembles_may_be_misspelt_or_not_built(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Modules with very different names are not suggested."""
-    explain(f"ModuleNotFoundError: No module named '{name}'")
+def test_module_that_nothing_resembles_may_be_misspelt_or_not_built(name, said):
+    text = said(f"ModuleNotFoundError: No module named '{name}'")
 
-    assert 'it is misspelt, not built, not installed' in capsys.readouterr().out
+    assert 'it is misspelt, not built, not installed' in text

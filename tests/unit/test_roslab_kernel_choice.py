@@ -29,7 +29,6 @@ def test_kernel_without_a_variable_is_rejected(needed):
 
 
 def test_python_without_a_description_is_not_checked(tmp_path, monkeypatch):
-    """A Python without a description belongs to a course that was not prepared."""
     monkeypatch.setattr('sys.prefix', str(tmp_path))
 
     own_kernel.require_variables({})

@@ -1,6 +1,7 @@
 """roslab's layouts, pictures and texts, made from plain data."""
 
 import html
+from itertools import combinations, pairwise
 import json
 import math
 import re
@@ -36,7 +37,7 @@ from roslab.graph_picture import Graph
 from roslab.plot_picture import Curve, curve_html, curve_text
 from roslab.timeline_picture import timeline
 
-STRING = 'std_msgs/msg/String'
+STRING, INT = 'std_msgs/msg/String', 'std_msgs/msg/Int32'
 RELIABLE = QoSProfile(depth=10)
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 LASTING = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -46,13 +47,11 @@ def end(node, kind=STRING, qos=RELIABLE):
     return Endpoint(node, kind, qos)
 
 
-def chatter(publishers, subscriptions, nodes=(), everything=False):
+def chatter(publishers, subscriptions, nodes=()):
     """Return the facts of a graph with one topic."""
-    ends = (*publishers, *subscriptions)
-    names = sorted({*nodes, *(e.node for e in ends if everything or not e.hidden)})
-    return Facts(
-        tuple(names), (Topic('/chatter', tuple(publishers), tuple(subscriptions)),), everything
-    )
+    names = {*nodes, *(one.node for one in (*publishers, *subscriptions) if not one.hidden)}
+    topic = Topic('/chatter', tuple(publishers), tuple(subscriptions))
+    return Facts(tuple(sorted(names)), (topic,), False)
 
 
 def drawing(page):
@@ -72,48 +71,34 @@ def test_connected_pair_is_one_line_of_text_and_has_no_dashes():
     assert 'stroke-dasharray' not in graph._repr_html_()
 
 
+DEADLINE = QoSProfile(depth=1, deadline=Duration(seconds=0.5))
+WANTS_RELIABLE = 'reliability: offers BEST_EFFORT, wants RELIABLE'
+WANTS_LASTING = 'durability: offers VOLATILE, wants TRANSIENT_LOCAL'
+
+
 @pytest.mark.parametrize(
-    ('publisher', 'subscription', 'reason'),
+    ('publishers', 'subscriptions', 'reason'),
     [
-        (end('/a'), None, 'nobody subscribes'),
-        (None, end('/b'), 'nobody publishes'),
+        ([end('/a')], [], 'nobody subscribes'),
+        ([], [end('/b')], 'nobody publishes'),
+        ([end('/a')], [end('/b', INT)], f'type differs: {STRING} | {INT}'),
+        ([end('/a', qos=BEST_EFFORT)], [end('/b')], WANTS_RELIABLE),
+        ([end('/a')], [end('/b', qos=DEADLINE)], 'deadline: offers none, wants 0.5 s'),
         (
-            end('/a'),
-            end('/b', 'std_msgs/msg/Int32'),
-            'type differs: std_msgs/msg/String | std_msgs/msg/Int32',
-        ),
-        (
-            end('/a', qos=BEST_EFFORT),
-            end('/b'),
-            'reliability: offers BEST_EFFORT, wants RELIABLE',
-        ),
-        (
-            end('/a'),
-            end('/b', qos=QoSProfile(depth=1, deadline=Duration(seconds=0.5))),
-            'deadline: offers none, wants 0.5 s',
-        ),
-        (
-            end('/a', qos=BEST_EFFORT),
-            end('/b', qos=LASTING),
-            'reliability: offers BEST_EFFORT, wants RELIABLE; '
-            'durability: offers VOLATILE, wants TRANSIENT_LOCAL',
+            [end('/a', qos=BEST_EFFORT)],
+            [end('/b', qos=LASTING)],
+            f'{WANTS_RELIABLE}; {WANTS_LASTING}',
         ),
     ],
 )
-def test_endpoint_without_a_match_is_dashed_and_says_why(publisher, subscription, reason):
-    """The reason is in the text and, wrapped, in the picture."""
-    graph = Graph(
-        chatter(
-            [publisher] if publisher else [],
-            [subscription] if subscription else [],
-        )
-    )
+def test_endpoint_without_a_match_is_dashed_and_says_why(publishers, subscriptions, reason):
+    graph = Graph(chatter(publishers, subscriptions))
     page = graph._repr_html_()
 
     assert reason in str(graph)
     assert '- ->' in str(graph)
     assert reason in ' '.join(words(page))
-    assert page.count('stroke-dasharray') == sum(e is not None for e in (publisher, subscription))
+    assert page.count('stroke-dasharray') == len(publishers) + len(subscriptions)
 
 
 def test_fitting_qos_that_is_not_equal_is_no_mismatch():
@@ -122,7 +107,6 @@ def test_fitting_qos_that_is_not_equal_is_no_mismatch():
 
 
 def test_only_the_refused_one_of_two_listeners_is_dashed():
-    """A publisher that reaches at least one subscription keeps its plain arrow."""
     graph = Graph(chatter([end('/a')], [end('/b'), end('/c', qos=LASTING)]))
 
     assert f'/a --> /chatter [{STRING}] --> /b' in str(graph)
@@ -132,7 +116,6 @@ def test_only_the_refused_one_of_two_listeners_is_dashed():
 
 
 def test_listener_of_the_notebook_is_not_drawn_but_counts():
-    """If a cell calls listen(), a publisher has a subscription, which the picture mentions."""
     facts = chatter([end('/a')], [end('/_roslab')])
 
     assert 'this notebook listens' in str(Graph(facts))
@@ -141,12 +124,11 @@ def test_listener_of_the_notebook_is_not_drawn_but_counts():
 
 
 def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
-    """If only the notebook listens, but its QoS does not match, the picture gives the reason."""
-    facts = chatter([end('/a', qos=BEST_EFFORT)], [end('/_roslab')])
+    (edge, *_) = chatter([end('/a', qos=BEST_EFFORT)], [end('/_roslab')]).edges
 
-    assert not facts.edges[0].matched
-    assert 'reliability' in facts.edges[0].remark
-    assert 'this notebook' in facts.edges[0].remark
+    assert not edge.matched
+    assert 'reliability' in edge.remark
+    assert 'this notebook' in edge.remark
 
 
 def test_topic_on_which_only_the_notebook_listens_is_drawn_as_lonely():
@@ -158,7 +140,6 @@ def test_topic_on_which_only_the_notebook_listens_is_drawn_as_lonely():
 
 
 def test_names_from_other_programs_are_text_never_markup():
-    """The name of a node cannot change the page."""
     page = Graph(chatter([end('/<script>')], [end('/b"onload="x')]))._repr_html_()
 
     assert '<script>' not in page
@@ -166,13 +147,11 @@ def test_names_from_other_programs_are_text_never_markup():
 
 
 def test_two_nodes_of_one_name_and_an_idle_one_are_reported():
-    """A node without topics is listed, and a name that two nodes share is counted."""
-    facts = Facts(('/idle', '/twin', '/twin'), ())
+    graph = Graph(Facts(('/idle', '/twin', '/twin'), ()))
 
-    text = str(Graph(facts))
-    assert text.splitlines()[:2] == ['/idle', '/twin (2 nodes)']
-    assert 'Seen now: 3 nodes, 0 topics' in text
-    assert '/twin (2 nodes)' in words(Graph(facts)._repr_html_())
+    assert str(graph).splitlines()[:2] == ['/idle', '/twin (2 nodes)']
+    assert 'Seen now: 3 nodes, 0 topics' in str(graph)
+    assert '/twin (2 nodes)' in words(graph._repr_html_())
 
 
 def test_empty_graph_says_that_nothing_is_seen():
@@ -181,7 +160,6 @@ def test_empty_graph_says_that_nothing_is_seen():
 
 
 def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
-    """Title and description contain everything in the text form."""
     tree = drawing(Graph(chatter([end('/talker')], []))._repr_html_())
     labels = tree.get('aria-labelledby').split()
     described = {e.get('id'): e.text for e in tree if e.get('id') in labels}
@@ -193,7 +171,6 @@ def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
 
 
 def test_picture_that_scrolls_can_be_reached_by_the_keyboard():
-    """On a narrow page, the focusable element has a role and a name."""
     page = svg.picture(900, 100, 'A <graph>', 'words', [])
 
     assert page.startswith('<div role="group" aria-label="A &lt;graph&gt;" tabindex="0" style="ov')
@@ -206,7 +183,7 @@ def table(page):
 
 
 def test_picture_has_its_data_in_a_table():
-    seen = Graph(chatter([end('/talker')], [end('/ear', 'std_msgs/msg/Int32')], ['/idle']))
+    seen = Graph(chatter([end('/talker')], [end('/ear', INT)], ['/idle']))
     head, *rows = table(seen._repr_html_())
     names, *values = table(curve_html(Curve('/t value', ((0.5, 1.0), (1.0, 3.0)), 2.0, 2.0)))
 
@@ -225,7 +202,6 @@ def test_picture_has_its_data_in_a_table():
 
 
 def test_table_of_a_long_curve_is_short_and_keeps_its_peak():
-    """A person can read at most a few dozen rows."""
     points = tuple((n / 10, 100.0 if n == 777 else 1.0) for n in range(1000))
     rows = table(curve_html(Curve('/t value', points, 100.0)))
 
@@ -233,41 +209,18 @@ def test_table_of_a_long_curve_is_short_and_keeps_its_peak():
     assert ['77.70', '100'] in rows
 
 
-SIZES = {
-    'a': (80, 30),
-    'b': (80, 30),
-    'c': (80, 30),
-    'd': (80, 30),
-    'T1': (120, 40),
-    'T2': (140, 40),
-    'T3': (90, 70),
-}
-ARROWS = [
-    ('a', 'T1'),
-    ('b', 'T1'),
-    ('T1', 'c'),
-    ('c', 'T2'),
-    ('T2', 'd'),
-    ('a', 'T3'),
-    ('T3', 'd'),
-    ('d', 'T2'),
-    ('d', 'T1'),
-]
+SIZES = dict.fromkeys('abcd', (80, 30)) | {'T1': (120, 40), 'T2': (140, 40), 'T3': (90, 70)}
+PATHS = ('a T1 c T2 d T1', 'b T1', 'a T3 d T2')
+ARROWS = [arrow for path in PATHS for arrow in pairwise(path.split())]
 
 
 def test_boxes_do_not_overlap_and_lines_end_on_their_boxes():
-    """A graph with cycles, long lines and many-to-many connections stays readable."""
     layout = arrange(SIZES, ARROWS, frozenset({'T1', 'T2', 'T3'}))
-    spots = list(layout.spots.values())
 
-    for index, one in enumerate(spots):
-        for other in spots[index + 1 :]:
-            apart_x = abs(one.x + one.width / 2 - other.x - other.width / 2)
-            apart_y = abs(one.y - other.y)
-            assert (
-                apart_x >= (one.width + other.width) / 2
-                or apart_y >= (one.height + other.height) / 2
-            )
+    for one, other in combinations(layout.spots.values(), 2):
+        apart_x = abs(one.x + one.width / 2 - other.x - other.width / 2)
+        beside = apart_x >= (one.width + other.width) / 2
+        assert beside or abs(one.y - other.y) >= (one.height + other.height) / 2
     assert set(layout.routes) == set(ARROWS)
     for (start, stop), points in layout.routes.items():
         for key, (x, y) in ((start, points[0]), (stop, points[-1])):
@@ -277,7 +230,6 @@ def test_boxes_do_not_overlap_and_lines_end_on_their_boxes():
 
 
 def test_layout_is_the_same_each_time_and_topics_stand_in_odd_layers():
-    """Running a cell twice does not shuffle its picture."""
     topics = frozenset({'T1', 'T2', 'T3'})
     one, two = (arrange(SIZES, ARROWS, topics) for _ in range(2))
 
@@ -287,7 +239,6 @@ def test_layout_is_the_same_each_time_and_topics_stand_in_odd_layers():
 
 
 def test_connections_without_notes_are_drawn():
-    """A caller may leave out the lines below the picture."""
     edge = Edge('/talker', '/chatter', outward=True, matched=True)
     topics = {'/chatter': TopicBox('/chatter', ['String'])}
 
@@ -302,7 +253,6 @@ def listener(topic, began, times):
 
 
 def test_timeline_puts_all_sources_on_the_axis_of_the_first():
-    """The messages of a listener that began two seconds later are drawn two seconds later."""
     line = timeline(listener('/a', 10.0, [0.5, 1.0]), listener('/b', 12.0, [0.5]))
 
     assert line.rows[0].times == (0.5, 1.0)
@@ -312,7 +262,6 @@ def test_timeline_puts_all_sources_on_the_axis_of_the_first():
 
 
 def test_timeline_compares_a_simulation_with_a_live_plot():
-    """The simulation begins at 0, the live plot at the start of its listener."""
     record = TopicRecord('/a', STRING, (1.0, 2.0), ({}, {}), 2.0)
     run = SimpleNamespace(listeners=[record])
     line = timeline(run, SimpleNamespace(listener=listener('/a', 58_209.0, [0.5, 1.5])))
@@ -322,15 +271,10 @@ def test_timeline_compares_a_simulation_with_a_live_plot():
 
 
 def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
-    """Messages and each kind of mark have different shapes."""
-    line = timeline(
-        listener('/a', 0.0, [0.0, 1.0, 2.0]), marks={'stopped': [1.5], 'started': [1.8]}
-    )
-    page = line._repr_html_()
-    shapes = {
-        re.sub(r'[-\d. ]+', '', e.get('d'))
-        for e in drawing(page).iter('{http://www.w3.org/2000/svg}path')
-    }
+    marks = {'stopped': [1.5], 'started': [1.8]}
+    page = timeline(listener('/a', 0.0, [0.0, 1.0, 2.0]), marks=marks)._repr_html_()
+    paths = drawing(page).iter('{http://www.w3.org/2000/svg}path')
+    shapes = {re.sub(r'[-\d. ]+', '', one.get('d')) for one in paths}
 
     assert len(re.findall(r'M[\d.]+ [\d.]+v18', page)) == 3
     assert len(shapes) == 3
@@ -338,7 +282,6 @@ def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
 
 
 def test_timeline_of_the_last_seconds_leaves_older_messages_out():
-    """`seconds` limits the axis to its last part."""
     line = timeline(listener('/a', 0.0, [0.0, 4.0, 5.0]), seconds=2.0)
 
     assert line.rows[0].times == (4.0, 5.0)
@@ -346,7 +289,6 @@ def test_timeline_of_the_last_seconds_leaves_older_messages_out():
 
 
 def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message():
-    """The slider starts at the last message; live messages have no slider."""
     one = TopicRecord('/a', STRING, (1.0, 3.0), ({'data': 'x'}, {'data': '<y>'}), 4.0)
     other = TopicRecord('/b', STRING, (2.0,), ({'data': 'z'},), 4.0)
     page = timeline(SimpleNamespace(listeners=[one, other]))._repr_html_()
@@ -365,7 +307,6 @@ def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message(
 
 
 def test_slider_of_many_moments_is_short_and_keeps_the_last():
-    """A run of an hour may have thousands of messages."""
     page = slider('Run', [(n, f'step {n}') for n in range(1001)], (0.0, 1000.0), 1000.0)
     held = json.loads(html.unescape(re.search('data-moments="([^"]*)"', page)[1]))
 
@@ -382,7 +323,6 @@ def test_slider_of_many_moments_is_short_and_keeps_the_last():
     ],
 )
 def test_timeline_of_something_else_says_what_it_expected(sources, marks, said):
-    """A topic name is not a listener, and a string is not a time."""
     with pytest.raises(RoslabError, match=re.escape(said)):
         timeline(*sources, marks=marks)
 
@@ -392,17 +332,16 @@ def curve(*values, threshold=None):
 
 
 def test_values_above_the_threshold_have_another_shape_and_are_counted():
-    """A value exactly on the threshold is not above it."""
-    page = curve_html(curve(29, 30, 31, threshold=30.0))
+    made = curve(29, 30, 31, threshold=30.0)
+    page = curve_html(made)
 
     assert page.count('<path') - page.count('a2.5 2.5') == 1
-    assert '1 above the threshold 30' in curve_text(curve(29, 30, 31, threshold=30.0))
+    assert '1 above the threshold 30' in curve_text(made)
     assert 'dashed: threshold 30' in words(page)
     assert 'stroke-dasharray' in page
 
 
 def test_value_that_is_not_finite_is_a_gap():
-    """NaN breaks the line in two, and the text mentions the gap."""
     page = curve_html(curve(1, 2, math.nan, 3, 4))
 
     assert page.count('<polyline') == 2
@@ -411,7 +350,6 @@ def test_value_that_is_not_finite_is_a_gap():
 
 
 def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
-    """The marks are warnings after readings; the description mentions both of them."""
     made = Curve('/t data', ((1.0, 20.0), (2.0, 33.0)), 3.0, 30.0, {'WARN': (2.0, 2.0)})
     page = curve_html(made)
 
@@ -422,18 +360,13 @@ def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
 
 
 def test_plot_without_messages_says_that_it_waits():
-    """The picture of an empty plot contains this message."""
     assert 'waiting for messages' in words(curve_html(curve(threshold=3.0)))
     assert curve_text(curve()) == '/t data: waiting for messages.'
 
 
 def test_plot_of_many_values_stays_small_and_keeps_the_extremes():
-    """A picture of ten thousand values is small, and still shows the single peak."""
-    values = [0.0] * 10_000
-    values[7_777] = 9.0
-    page = curve_html(
-        Curve('/t data', tuple((i / 1000, v) for i, v in enumerate(values)), 20.0, 5)
-    )
+    points = tuple((number / 1000, 9.0 * (number == 7_777)) for number in range(10_000))
+    page = curve_html(Curve('/t data', points, 20.0, 5))
 
     assert len(page) < 40_000
     assert page.count('<path') == 1
@@ -442,7 +375,6 @@ def test_plot_of_many_values_stays_small_and_keeps_the_extremes():
 
 @pytest.mark.parametrize(('low', 'high'), [(0, 1), (-3.2, 17), (1e-6, 2e-6), (5, 5.001), (0, 9e8)])
 def test_axis_has_a_few_round_ticks_inside_its_range(low, high):
-    """Every range gets between two and twelve ticks."""
     found = svg.ticks(low, high)
 
     assert 2 <= len(found) <= 12
@@ -450,7 +382,6 @@ def test_axis_has_a_few_round_ticks_inside_its_range(low, high):
 
 
 def test_field_paths_reach_nested_fields_and_items_of_arrays():
-    """Dots and brackets lead to a number, or to None if an array is too short."""
     header = Header()
     header.stamp.sec = 7
 
@@ -477,13 +408,11 @@ def test_field_paths_reach_nested_fields_and_items_of_arrays():
 def test_field_that_does_not_exist_or_is_no_number_is_answered_with_those_that_are(
     kind, path, said
 ):
-    """The error lists the fields that can be plotted."""
     with pytest.raises(RoslabError, match=re.escape(said)):
         number_getter(kind, path)
 
 
 def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
-    """Nested messages are indented, arrays are lists, and ambiguous strings are quoted."""
     header = Header(frame_id='a: b')
     header.stamp.sec = 3
 
@@ -494,21 +423,18 @@ def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
 
 
 def test_long_texts_and_arrays_are_cut_unless_all_is_asked_for():
-    """The first 128 characters or elements are written, then three dots."""
     assert message_yaml(String(data='x' * 200)) == f'data: {"x" * 128}...\n'
     assert message_yaml(String(data='x' * 200), COMPLETE) == f'data: {"x" * 200}\n'
     assert message_yaml(Int32MultiArray(data=range(200))).endswith("- 127\n- '...'\n")
 
 
 def test_rate_is_computed_from_the_gaps_between_messages():
-    """The window counts the gaps, as in ros2 topic hz."""
     assert hz_text([0.0, 1.0, 2.5]) == (
         'average rate: 0.800\n\tmin: 1.000s max: 1.500s std dev: 0.25000s window: 2'
     )
 
 
 def test_info_and_list_have_the_layout_of_the_tools():
-    """Sections without entries keep an empty line; several types are shown as a list."""
     node = node_info_text('/a', {'Publishers': [('/y', ['p/msg/Y']), ('/x', ['p/msg/X'])]})
     topic = topic_info_text(['p/msg/X', 'p/msg/Y'], ['one'], [])
 

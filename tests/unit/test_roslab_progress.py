@@ -3,6 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 import json
 
+from collect_sources import laid
 import pytest
 
 from autograder.layout import CHOSEN
@@ -29,7 +30,6 @@ def file(tmp_path, monkeypatch):
 
 @pytest.fixture
 def lessons(tmp_path):
-    """Return the outlines of two lessons."""
     first = Part('Part 1: One', quizzes=['01-a', '01-b'])
     second = Part('Part 2: Two', {'talker': 8, 'courier': 10})
     return [
@@ -40,19 +40,15 @@ def lessons(tmp_path):
 
 class TestRemember:
     def test_last_result_of_each_exercise_is_kept(self, file):
-        """A worse result replaces a better one."""
         remember('checks', 'talker', 8)
         remember('quizzes', '01-a', False)
         remember('checks', 'talker', 2.5)
 
-        assert read_results(file) == NONE | {
-            'checks': {'talker': 2.5},
-            'quizzes': {'01-a': False},
-        }
+        expected = {'checks': {'talker': 2.5}, 'quizzes': {'01-a': False}}
+        assert read_results(file) == NONE | expected
         assert 'progress(forget=True)' in json.loads(file.read_text())['about']
 
     def test_notebooks_that_finish_together_lose_nothing(self, file):
-        """Each notebook adds its results to those of the others."""
         with ThreadPoolExecutor(8) as pool:
             list(pool.map(lambda n: remember('checks', f'exam_{n}', n), range(32)))
 
@@ -67,7 +63,6 @@ class TestRemember:
         assert not file.exists()
 
     def test_check_remembers_its_points(self, file, monkeypatch):
-        """A check without a verdict changes nothing."""
         result = ExamResult('talker', (CheckResult('c', 'C.', Verdict.PASSED, 3, 3),))
         reports = iter([CheckReport('talker', result), CheckReport('talker')])
         monkeypatch.setattr(checking, '_run', lambda *_: next(reports))
@@ -77,7 +72,6 @@ class TestRemember:
         assert read_results(file)['checks'] == {'talker': 3}
 
     def test_quiz_remembers_whether_the_last_answer_was_right(self, file):
-        """The letter is not remembered."""
         question = quiz('07-threshold')
         rights = [option['right'] for option in question.question['options']]
         question.chosen = rights.index(False)
@@ -100,22 +94,17 @@ BROKEN = [
 
 
 class TestBrokenFile:
-    """Whatever the file contains, the learner gets one sentence, and the file is kept."""
-
     @pytest.mark.parametrize('text', BROKEN)
     def test_result_is_not_remembered_and_the_file_stays(self, file, capsys, text):
-        """The check has already shown its result."""
         file.parent.mkdir()
         file.write_text(text)
         remember('checks', 'talker', 8)
 
-        assert capsys.readouterr().out.startswith(
-            f'progress() will not show this result. {file}: '
-        )
+        said = f'progress() will not show this result. {file}: '
+        assert capsys.readouterr().out.startswith(said)
         assert file.read_text() == text
 
     def test_progress_says_how_to_delete_it(self, file):
-        """progress() deletes the file only on request."""
         file.parent.mkdir()
         file.write_text('my own notes')
 
@@ -133,7 +122,6 @@ class TestBrokenFile:
 
 class TestProgress:
     def test_first_unfinished_part_comes_next(self, lessons):
-        """A quiz is finished after any answer; an exercise needs full points."""
         answered = {'01-a': False, '01-b': True}
 
         assert next_part(lessons, NONE)[1].heading == 'Part 1: One'
@@ -145,7 +133,6 @@ class TestProgress:
         assert as_text(lessons, done).startswith('18 of 18 points; every exercise')
 
     def test_text_has_points_and_right_answers(self, lessons):
-        """A lesson without exercises has empty columns; an unknown exercise does not count."""
         results = {
             'checks': {'talker': 99, 'courier': 2.5, 'of_an_older_course': 7},
             'quizzes': {'01-a': False, '01-b': True},
@@ -160,18 +147,14 @@ class TestProgress:
         ]
 
     def test_unreadable_notebook_costs_only_its_own_row(self, file, capsys):
-        """The learner may have saved any file under the name of a lesson."""
-        for name in ('01_a/a.ipynb', '02_b/b.ipynb'):
-            path = file.parent.parent / 'notebooks' / name
-            path.parent.mkdir(exist_ok=True)
-            path.write_text('{"cells": []}' if name[1] == '1' else '{')
+        lessons = {'01_a/a.ipynb': b'{"cells": []}', '02_b/b.ipynb': b'{'}
+        laid(file.parent.parent / 'notebooks', lessons)
         progress()
         rows = capsys.readouterr().out.splitlines()[3:]
 
         assert rows == ['01 a', '02 b.ipynb cannot be read']
 
     def test_forget_deletes_the_results(self, file, capsys):
-        """A second call does no harm."""
         remember('checks', 'talker', 8)
         progress(forget=True)
         progress(forget=True)

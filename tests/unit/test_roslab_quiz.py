@@ -24,7 +24,6 @@ GOOD = """\
 
 @pytest.fixture
 def folder(tmp_path):
-    """Return a folder with one file of one question."""
     (tmp_path / '03_topics.yaml').write_text(GOOD)
     return tmp_path
 
@@ -57,7 +56,6 @@ QUESTION = {
 
 @pytest.mark.parametrize('path', files(), ids=lambda path: path.name)
 def test_questions_of_the_course_are_well_formed(path):
-    """Each question has one correct option, an explanation per option, and paired backticks."""
     assert re.fullmatch(r'\d\d_[a-z0-9_]+\.yaml', path.name)
     for question in yaml.safe_load(path.read_text()):
         jsonschema.validate(question, QUESTION)
@@ -67,7 +65,6 @@ def test_questions_of_the_course_are_well_formed(path):
 
 
 def test_no_key_is_used_twice():
-    """A key identifies one question."""
     keys = Counter(question.key for path in files() for question in load(path))
 
     assert [key for key, count in keys.items() if count > 1] == []
@@ -82,7 +79,6 @@ def test_no_letter_is_right_so_often_that_choosing_it_would_pay():
 
 
 def test_question_is_read_whole(folder):
-    """The whole question is read; only the order of the options changes."""
     question = find('03-matched', folder)
 
     assert question.text == 'Is `x` matched?'
@@ -103,7 +99,6 @@ def test_order_depends_on_the_key_alone(folder):
 
 
 def test_right_answers_are_spread_over_the_letters(folder):
-    """If an author always writes the correct option first, the order does not reveal this."""
     path = folder / '03_topics.yaml'
     path.write_text(''.join(GOOD.replace('03-matched', f'03-m{n}') for n in range(300)))
     places = Counter(
@@ -128,7 +123,6 @@ def test_right_answers_are_spread_over_the_letters(folder):
     ],
 )
 def test_mistake_of_an_author_is_found(old, new):
-    """The schema defines the rules for the course's questions."""
     assert GOOD.count(old) == 1, old
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(yaml.safe_load(GOOD.replace(old, new))[0], QUESTION)
@@ -136,27 +130,23 @@ def test_mistake_of_an_author_is_found(old, new):
 
 @pytest.mark.parametrize('text', ['', 'key: x', '- 1', '- {key: x}', '- `x'])
 def test_file_of_another_form_is_refused(folder, text):
-    """The error names the file, and the test that reports each mistake."""
     (folder / '03_topics.yaml').write_text(text)
     with pytest.raises(QuizError, match=r'03_topics\.yaml: .*test_roslab_quiz'):
         load(folder / '03_topics.yaml')
 
 
 def test_unknown_key_is_answered_with_the_near_ones(folder):
-    """The error lists similar keys."""
     with pytest.raises(RoslabError, match=r"'03-matched'; there is no '03-macthed'"):
         find('03-macthed', folder)
 
 
 def test_broken_file_of_another_lesson_does_not_matter(folder):
-    """Each lesson reads only its own file."""
     (folder / '04_messages.yaml').write_text('- nonsense')
 
     assert isinstance(find('03-matched', folder), Question)
 
 
 def test_viewer_without_widgets_gets_the_question_and_its_letters():
-    """A notebook stores this text, which does not show the correct option."""
     question = find('07-threshold')
     bundle = show('07-threshold')._repr_mimebundle_()
     data = bundle[0] if isinstance(bundle, tuple) else bundle

@@ -32,7 +32,6 @@ def files(tmp_path, monkeypatch):
 
 
 def test_the_table_of_environment_md_agrees_with_its_data():
-    """The table must not be edited by hand."""
     rows = json.loads(routes.ROWS.read_text(encoding='utf-8'))
     assert routes.BEGIN + routes.table(rows) + routes.END in routes.PAGE.read_text(
         encoding='utf-8'
@@ -40,7 +39,6 @@ def test_the_table_of_environment_md_agrees_with_its_data():
 
 
 def test_each_route_has_one_row_and_each_date_a_route():
-    """A row without a command has no date; a route that was never executed has none yet."""
     rows = json.loads(routes.ROWS.read_text(encoding='utf-8'))
     assert sorted(row['name'] for row in rows if row['name'] != '-') == sorted(routes.ROUTES)
     for row in rows:
@@ -49,7 +47,6 @@ def test_each_route_has_one_row_and_each_date_a_route():
 
 
 def test_a_route_that_works_sets_date_and_result(files, monkeypatch):
-    """The other rows keep their date and result."""
     monkeypatch.setitem(routes.ROUTES, 'see-it', lambda folder: 'it worked')
     assert routes.main(['see-it']) == 0
     page = routes.PAGE.read_text()
@@ -61,8 +58,6 @@ def test_a_route_that_works_sets_date_and_result(files, monkeypatch):
 
 
 def test_a_route_that_fails_changes_no_row(files, monkeypatch, capsys):
-    """The row keeps the date of the last success."""
-
     def fails(folder):
         routes.run(folder, 'sh', '-c', 'echo no network; exit 3')
 
@@ -74,13 +69,11 @@ def test_a_route_that_fails_changes_no_row(files, monkeypatch, capsys):
 
 
 def test_an_unknown_route_is_refused(files, capsys):
-    """The message lists the routes."""
     assert routes.main(['moon']) == 2
     assert 'moon: no such route. Try one of: this-machine, plain-user' in capsys.readouterr().err
 
 
 def test_sample_class_result_counts_submissions():
-    """A submission for review is counted too."""
     assert routes.sample_class_result(REPORT) == '3 submissions, `bwrap-user`'
 
 
@@ -94,13 +87,11 @@ def test_sample_class_result_counts_submissions():
     ],
 )
 def test_sample_class_result_refuses_less(old, new, words):
-    """A route does not count if submissions are missing, points are lost or isolation is weak."""
     with pytest.raises(routes.RouteFailed, match=words):
         routes.sample_class_result(REPORT.replace(old, new))
 
 
 def test_commands_of_the_hubs_page_end_with_its_start():
-    """The route types the commands on the page, without comments and output."""
     page = (routes.PROJECT / 'docs' / 'hub.md').read_text(encoding='utf-8')
     commands = routes.commands_of(page)
     assert 'git clone /course course && cd course' in commands

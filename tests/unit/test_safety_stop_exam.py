@@ -1,11 +1,10 @@
 """The exam of the safety stop, without a program: its rule, its inputs and its causes."""
 
+from handmade_runs import at, message, run_of, why
 import pytest
 
 from autograder.exam import catalog
-from autograder.exam.exam import Failed, Run
 from autograder.exam.patterns import why_burst_cut
-from autograder.recording import Recording
 from exams.visible import safety_stop
 from exams.visible.safety_stop import (
     Command,
@@ -20,7 +19,6 @@ from exams.visible.safety_stop import (
 
 
 def test_command_is_limited_and_a_silence_has_one_stop():
-    """Only the speed is limited, in both directions."""
     drive = [Command(0.3, 0.2, 0.3), Command(-0.8, 0.9, 0.4), Command(0.5, 0.1, 1.6)]
 
     assert guarding()(drive) == [((0.3, 0.2),), ((-0.5, 0.9),), ((0.5, 0.1), (0.0, 0.0))]
@@ -28,7 +26,6 @@ def test_command_is_limited_and_a_silence_has_one_stop():
 
 @pytest.mark.parametrize('secret', [str(number) for number in range(10)])
 def test_drawn_commands_are_as_the_exam_needs_them(secret):
-    """Two commands are stops; only fast commands reveal a wrong limit."""
     asked = catalog.load_with_secret('safety_stop', secret).asks['commands']
     silent = places(asked, silent=True)
     before_silence = [one for place in silent for one in asked.row(place)]
@@ -44,7 +41,6 @@ def test_drawn_commands_are_as_the_exam_needs_them(secret):
 
 @pytest.mark.parametrize('at_first', [False, True])
 def test_command_lost_after_a_stop_is_the_cause(at_first):
-    """Commands of zeros are among the lost ones, and are not the reason."""
     asked = safety_stop.exam.facts['commands']
     came = asked.of(losing(lambda one, after: after, at_first))
 
@@ -54,23 +50,18 @@ def test_command_lost_after_a_stop_is_the_cause(at_first):
 def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():
     """If no slip gives all answers, the stop itself is the evidence."""
     events = []
-    for index, one in enumerate(safety_stop.exam.facts['commands'].inputs):
-        data = {'linear': {'x': one.speed}, 'angular': {'z': one.turn}}
-        place = {'clock_ns': index * 10**9, 'after_input': index}
-        events.append({'event': 'input', 'data': data, **place})
+    for index, (speed, turn, _) in enumerate(safety_stop.exam.facts['commands'].inputs):
+        data = {'linear': {'x': speed}, 'angular': {'z': turn}}
+        events.append(at(index, 'input', data=data, after_input=index))
         messages = [data] if index else [data, {'linear': {'x': 0.0}, 'angular': {'z': 0.0}}]
-        for message in messages:
-            events.append({'event': 'message', 'topic': '/cmd_vel', 'data': message, **place})
-    run = Run({}, Recording({}, tuple(events)), safety_stop.exam.facts)
+        events += [message(index, '/cmd_vel', one, after_input=index) for one in messages]
 
-    with pytest.raises(Failed) as failed:
-        safety_stop.passes_commands_on(run)
+    run = run_of(*events, facts=safety_stop.exam.facts)
 
-    assert failed.value.why == safety_stop.WHY['early_stop']
+    assert why(safety_stop.passes_commands_on, run) == safety_stop.WHY['early_stop']
 
 
 def test_repeated_command_is_skipped_with_its_stop():
-    """A first command of zeros repeats none; the stop after a skipped command is not due."""
     zero, drive = Command(*STOP, 0.3), Command(0.3, 0.2, 1.6)
     skips_equal = safety_stop.SLIPS[0].rules[0]
 
@@ -87,7 +78,6 @@ def test_words_of_a_late_stop_have_the_times_of_the_exam():
     ('kept', 'cause_id'), [(-1, 'only_the_last'), (0, 'drops_while_busy'), (1, None)]
 )
 def test_burst_of_which_one_command_is_left_is_explained(kept, cause_id):
-    """The silence after the burst still causes a stop."""
     asked = safety_stop.exam.facts['commands']
     one = asked.inputs[-safety_stop.BURST :][kept]
 

@@ -1,5 +1,6 @@
 """A sample may contain its changes to the reference solution instead of whole files."""
 
+from collect_sources import laid
 import pytest
 
 from autograder.authoring.sample_class import changed, own_files
@@ -41,9 +42,8 @@ def test_a_diff_that_does_not_fit_is_an_error(diff, words):
 
 
 def test_own_files_have_the_names_of_the_files_that_they_change(tmp_path):
-    (tmp_path / 'msg').mkdir()
-    for name in ('expected.json', 'talker.py', 'msg/Station.msg.diff'):
-        (tmp_path / name).write_text('', encoding='utf-8')
+    names = ('expected.json', 'talker.py', 'msg/Station.msg.diff')
+    laid(tmp_path, dict.fromkeys(names, b''))
 
     assert own_files(tmp_path) == {
         'talker.py': tmp_path / 'talker.py',
@@ -52,8 +52,7 @@ def test_own_files_have_the_names_of_the_files_that_they_change(tmp_path):
 
 
 def test_a_file_and_its_diff_exclude_each_other(tmp_path):
-    for name in ('talker.py', 'talker.py.diff'):
-        (tmp_path / name).write_text('', encoding='utf-8')
+    laid(tmp_path, {'talker.py': b'', 'talker.py.diff': b''})
 
     with pytest.raises(GraderError, match=r'both talker\.py and talker\.py\.diff'):
         own_files(tmp_path)

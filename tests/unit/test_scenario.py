@@ -36,7 +36,6 @@ STEPS = [
 
 
 def test_every_step_is_json():
-    """The probe reads the same steps that were written."""
     data = Scenario(steps=STEPS).to_json()
 
     assert json.loads(json.dumps(data))['steps'] == data['steps']
@@ -56,30 +55,20 @@ def test_ros_time_is_that_of_the_last_message_on_its_topic(virtual_s, ros_s):
 
 
 def test_service_is_named_after_its_node_unless_it_is_full():
-    """A full service name begins with a slash."""
     assert state('/lab/thermometer').to_json()['service'] == '/lab/thermometer/get_state'
     assert Call('/talker', '/reset', 'a/srv/B').to_json()['service'] == '/reset'
 
 
 def test_feed_without_quality_of_service_suits_everyone():
-    """A plain type and a type with a profile are written in the same form."""
     mine = FeedTopic('std_msgs/msg/String', Qos('BEST_EFFORT', depth=1))
 
     feed = Scenario(feed={'/a': 'std_msgs/msg/String', '/b': mine}).to_json()['feed']
 
     assert feed['/a']['qos']['durability'] == EVERYONE.durability == 'TRANSIENT_LOCAL'
-    assert feed['/b'] == {
-        'type': 'std_msgs/msg/String',
-        'qos': {
-            'reliability': 'BEST_EFFORT',
-            'durability': 'VOLATILE',
-            'depth': 1,
-            'deadline_s': None,
-            'lifespan_s': None,
-            'liveliness': 'AUTOMATIC',
-            'lease_s': None,
-        },
-    }
+    usual = {'durability': 'VOLATILE', 'liveliness': 'AUTOMATIC'}
+    unset = dict.fromkeys(['deadline_s', 'lifespan_s', 'lease_s'])
+    qos = {**usual, **unset, 'reliability': 'BEST_EFFORT', 'depth': 1}
+    assert feed['/b'] == {'type': 'std_msgs/msg/String', 'qos': qos}
 
 
 @pytest.mark.parametrize(

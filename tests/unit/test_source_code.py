@@ -11,18 +11,17 @@ from autograder.submission.code.mistakes import (
 from autograder.submission.code.program import without_strings
 from autograder.submission.code.source_code import Code
 
-BROKEN = 'def tick(:\n    time.sleep(1.0)\n'
+LAMBDA = 'node.create_timer(1.0, lambda: time.sleep(1.0))'
+OTHER = 'class M(Node):\n    def tick(self):\n        pass\n'
 
 
-def node(callback: str, made: str = 'self.create_timer(1.0, self.tick)') -> dict[str, str]:
-    """Return the file of a node with one callback, whose body begins in line 5."""
+def body(callback, made='self.create_timer(1.0, self.tick)'):
+    """Return the code of a node with one callback, whose body begins in line 5."""
     code = f'class N(Node):\n    def __init__(self):\n        {made}\n    def tick(self):\n'
-    return {'n.py': f'{code}        {callback}\n'}
+    return f'{code}        {callback}\n'
 
 
 class TestTexts:
-    """Comments and strings become blanks, and the other code keeps its position."""
-
     @pytest.mark.parametrize(
         ('code', 'left'),
         [
@@ -33,7 +32,6 @@ class TestTexts:
         ],
     )
     def test_only_code_is_left(self, code, left):
-        """The code in the braces of an f-string is kept."""
         found = without_strings(code)
 
         assert found.count('\n') == code.count('\n')
@@ -51,7 +49,6 @@ class TestTexts:
         assert set(Code(files).calls) == {'isnan'}
 
     def test_name_in_a_class_has_no_value_of_the_file(self):
-        """A module variable explains no attribute of the same name."""
         file = 'rate = 0.5\ncreate_timer(options.rate, f)\n'
         of_class = 'class N:\n    rate = 0.5\n    def go(self): create_timer(self.rate, f)\n'
 
@@ -59,7 +56,6 @@ class TestTexts:
         assert Code({'n.py': of_class}).numbers('create_timer') == [0.5]
 
     def test_an_escape_that_python_warns_of_is_the_learners(self):
-        """The grader prints no warning about an invalid escape."""
         assert Code({'n.py': "a = '\\d'"}).texts == {'\\d'}
 
 
@@ -94,58 +90,28 @@ class TestPauses:
     )
     @pytest.mark.parametrize('code', ['time.sleep(1.0)', 'sleep(PAUSE_S)', 'self.rate.sleep()'])
     def test_a_callback_that_sleeps_is_found_with_its_line(self, made, code):
-        """The callback is found, whatever function gets it and whichever call sleeps."""
-        assert pause_in_callback(node(code, made)) == ('tick', 5)
-
-    def test_what_a_callback_calls_belongs_to_it(self):
-        files = node('self.work()\n    def work(self):\n        time.sleep(1.0)')
-
-        assert pause_in_callback(files) == ('tick', 7)
-
-    def test_callbacks_of_one_name_in_two_classes_are_all_looked_at(self):
-        """Two classes may have callbacks with the same name, and both are read."""
-        other = 'class M(Node):\n    def tick(self):\n        pass\n'
-        code = node('time.sleep(1.0)')['n.py']
-
-        assert pause_in_callback({'n.py': code + other}) == ('tick', 5)
-        assert pause_in_callback({'n.py': other + code}) == ('tick', 8)
-
-    def test_a_lambda_has_no_name(self):
-        files = {'n.py': 'node.create_timer(1.0, lambda: time.sleep(1.0))'}
-
-        assert pause_in_callback(files) == ('', 1)
+        assert pause_in_callback({'n.py': body(code, made)}) == ('tick', 5)
 
     @pytest.mark.parametrize(
-        'code',
+        ('code', 'found'),
         [
-            'pass  # time.sleep(1)',
-            'time.sleep(0.01)',
-            'await asyncio.sleep(1.0)',
-            'while True:\n            time.sleep(1.0)',
+            (body('self.work()\n    def work(self):\n        time.sleep(1.0)'), ('tick', 7)),
+            (body('time.sleep(1.0)') + OTHER, ('tick', 5)),
+            (OTHER + body('time.sleep(1.0)'), ('tick', 8)),
+            (LAMBDA, ('', 1)),
+            # Only a loop or an await inside the callback is a cause of its own.
+            (f'while True:\n    {LAMBDA}\n', ('', 2)),
+            (f'async def main():\n    await f({LAMBDA})\n', ('', 2)),
+            (body('pass  # time.sleep(1)'), None),
+            (body('time.sleep(0.01)'), None),
+            (body('await asyncio.sleep(1.0)').replace('def t', 'async def t'), None),
+            (body('while True:\n            time.sleep(1.0)'), None),
+            ('def work():\n    time.sleep(1.0)\nThread(target=work).start()\n', None),
+            ('def tick(:\n    time.sleep(1.0)\n', None),
         ],
     )
-    def test_what_nobody_waits_for_is_none(self, code):
-        """A comment, a short sleep, an await and a loop are not pauses."""
-        files = {name: text.replace('def t', 'async def t') for name, text in node(code).items()}
-
-        assert pause_in_callback(files) is None
-
-    @pytest.mark.parametrize(
-        'code',
-        [
-            'while True:\n    node.create_timer(1.0, lambda: time.sleep(1.0))\n',
-            'async def main():\n    await f(node.create_timer(1.0, lambda: time.sleep(1.0)))\n',
-        ],
-    )
-    def test_what_surrounds_a_callback_does_not_count(self, code):
-        """Only a loop or an await inside the callback is a cause of its own."""
-        assert pause_in_callback({'n.py': code}) == ('', 2)
-
-    def test_a_function_that_ros_does_not_call_may_sleep(self):
-        files = {'n.py': 'def work():\n    time.sleep(1.0)\nThread(target=work).start()\n'}
-
-        assert pause_in_callback(files) is None
-        assert pause_in_callback({'n.py': BROKEN}) is None
+    def test_pause_counts_if_a_callback_waits_for_it(self, code, found):
+        assert pause_in_callback({'n.py': code}) == found
 
     def test_each_function_is_looked_at_once(self, monkeypatch):
         """Otherwise a file with thousands of callbacks would take a long time."""
@@ -184,7 +150,6 @@ LOGGING = (
     ],
 )
 def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
-    """A single line in __init__() explains nothing, and neither does a different level."""
     assert leaves_out({'n.py': LOGGING.format(line)}, 'info') == found
 
 
@@ -206,12 +171,10 @@ def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
     ],
 )
 def test_loggers_of_python_are_distinguished_from_those_of_nodes(line, names, found):
-    """A Python logger is blamed only if nothing else logs at that level."""
     assert logs_with_python({'n.py': LOGGING.format(line)}, names) is found
 
 
 def test_logger_of_python_belongs_to_its_file():
-    """A name means the logger of Python only in the file that creates it."""
     files = {
         'a.py': "import logging\nlog = logging.getLogger('a')\n",
         'b.py': "log = node.get_logger()\nlog.warning('b')\n",

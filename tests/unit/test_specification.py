@@ -19,13 +19,10 @@ SLIPS = warning_slips(above, '30.0')
 
 
 def asked(*inputs, burst=0):
-    """Return the specification of these inputs."""
     return Specification(inputs, above(), SLIPS, burst)
 
 
 class TestCause:
-    """The cause is the slip that explains all answers of a program."""
-
     @pytest.mark.parametrize(
         ('came', 'cause_id'),
         [
@@ -40,7 +37,6 @@ class TestCause:
         ],
     )
     def test_all_answers_have_to_be_those_of_the_slip(self, came, cause_id):
-        """A single answer that the slip does not give rules out the cause."""
         found = asked(20.0, 31.0, 45.0, 30.0, -40.0, math.nan)
         place = found.wrong(came)[0]
 
@@ -56,7 +52,6 @@ class TestCause:
         assert found.cause([1, 1, None], 1).cause_id == 'warns_at_threshold'
 
     def test_part_explains_where_a_second_mistake_spoils_the_rest(self):
-        """A part of the answers that lacks the wrong one explains nothing."""
         found, came = asked(math.nan, 20.0, 31.0, 30.0), [1, 0, 1, 1]
 
         assert found.cause(came, 3) is None
@@ -64,18 +59,12 @@ class TestCause:
         assert found.cause(came, 0, [1, 2, 3]) is None
 
     def test_slip_that_happens_sometimes_explains_two_wrong_answers(self):
-        """A single wrong answer could have many explanations."""
         late = Slip('late', '', '', each(lambda value: 1), sometimes=True)
         question = Specification((1, 2, 3, 40), above(), [late])
 
         assert question.cause([1, 0, 1, 1], 0) is late
         assert question.cause([1, 0, 0, 1], 0) is None
         assert question.cause([1, 0, 1, 0], 0) is None
-
-    def test_slip_is_created_with_the_names_of_its_fields(self):
-        slip = Slip('late', text='It is late.', try_this='Run.', act='run()')
-
-        assert (slip.text, slip.try_this, slip.act) == ('It is late.', 'Run.', 'run()')
 
     def test_burst_is_one_row_of_sums(self):
         """The answers to a burst are added, because they cannot be matched to its inputs."""
@@ -84,6 +73,8 @@ class TestCause:
         assert found.answers == [0, 2]
         assert list(found.row(1)) == [31.0, 45.0, 30.0]
         assert found.cause([0, 3], 1).cause_id == 'warns_at_threshold'
+        tuples = Specification((3.0, 1.0), each(lambda one: (one,)), burst=2)
+        assert tuples.answers == [(1.0, 3.0)]
 
     def test_throttled_warnings_are_part_of_a_burst(self):
         """Throttled warnings are correct for single inputs, but a burst gives only one warning."""
@@ -94,52 +85,48 @@ class TestCause:
         assert found.cause([1, 0, 0], 2) is None
         assert slip.cause_id not in {one.cause_id for one in SLIPS}
 
-    def test_equal_message_that_is_skipped_is_not_a_change_only(self):
-        """A node that skips only equal messages also warns about a different hot value."""
-        found = asked(31.0, 31.0, 45.0, 20.0)
+    def test_equal_message_that_is_skipped_is_not_a_change_or_a_maximum_only(self):
+        found, rising = (
+            asked(31.0, 31.0, 45.0, 20.0),
+            asked(20.0, 45.0, math.nan, 31.0, 50.0, 50.0),
+        )
 
         assert found.cause([1, 0, 1, 0], 1).cause_id == 'skips_equal'
         assert found.cause([1, 0, 0, 0], 1).cause_id != 'skips_equal'
-
-    def test_node_that_warns_only_about_new_maxima(self):
-        """Neither NaN nor a value up to the limit counts as a maximum."""
-        found = asked(20.0, 45.0, math.nan, 31.0, 50.0, 50.0)
-
-        assert found.cause([0, 1, 0, 0, 1, 0]).cause_id == 'warns_of_maxima'
-
-    def test_tuples_of_a_burst_come_in_any_order(self):
-        """Expected and observed tuples are both sorted."""
-        found = Specification((3.0, 1.0), each(lambda one: (one,)), burst=2)
-
-        assert found.answers == [(1.0, 3.0)]
+        assert rising.cause([0, 1, 0, 0, 1, 0]).cause_id == 'warns_of_maxima'
 
 
 class TestMistakes:
     """Inputs are invalid if a slip gives the correct answers, or those of another slip."""
 
-    def test_edge_that_is_not_tried(self):
-        """Without the limit itself, no input shows whether it is included."""
-        assert (
-            'no input distinguishes warns_at_threshold from the correct answers'
-            in asked(29.0, 31.0).mistakes()
-        )
+    @pytest.mark.parametrize(
+        ('inputs', 'pair'),
+        [
+            # Without the limit itself, no input shows whether it is included.
+            ((29.0, 31.0), 'warns_at_threshold from the correct answers'),
+            # With only one hot value, two slips give the same answers.
+            ((20.0, 31.0), 'warns_of_changes from warns_once'),
+        ],
+    )
+    def test_inputs_have_to_distinguish_all_slips(self, inputs, pair):
+        assert f'no input distinguishes {pair}' in asked(*inputs).mistakes()
 
-    def test_two_slips_that_look_alike(self):
-        """With only one hot value, two slips give the same answers."""
-        assert (
-            'no input distinguishes warns_of_changes from warns_once'
-            in asked(20.0, 31.0).mistakes()
-        )
+    def test_form_of_a_slip_and_an_exception_are_named(self):
+        due = each(lambda one: one)
+        slip = Slip('odd', '', '', each(lambda one: -one), each(lambda one: 1 / one), due)
+
+        assert list(Specification([0, 3], due, [slip]).mistakes()) == [
+            'the slip odd, form 2 raises ZeroDivisionError: division by zero',
+            'no input distinguishes odd, form 3 from the correct answers',
+        ]
 
     def test_two_of_one_name_may_look_alike(self):
-        """Two slips with the same id have the same text, so they may give the same answers."""
         rule = each(lambda one: 0)
         slips = (Slip('none', 'text', 'try', rule), Slip('none', 'text', 'try', rule))
 
         assert list(Specification((31.0,), above(), slips).mistakes()) == []
 
     def test_another_secret_changes_nothing_for_those_who_grade(self):
-        """Drawing with a different secret does not change the exam in use."""
         before = catalog.load('running_mean')
 
         other = catalog.load_with_secret('running_mean', 'another secret')
@@ -160,5 +147,4 @@ class TestMistakes:
     ],
 )
 def test_answers_are_compared_to_nine_digits(one, other, equal):
-    """NaN equals NaN, and strings are compared letter by letter."""
     assert same(one, other) is equal

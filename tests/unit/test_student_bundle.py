@@ -10,6 +10,7 @@ import subprocess
 import sys
 import zipfile
 
+from collect_sources import laid
 import pytest
 
 from autograder.authoring import student_bundle
@@ -50,59 +51,47 @@ def dead_links(name: str, path: Path, files: Container[str]) -> list[str]:
     ]
 
 
+GOES = [
+    'autograder/judging/judge.py',
+    'exams/visible/talker.py',
+    'notebooks/01/a.ipynb',
+    'roslab/session.py',
+    'temp_monitor_pkg/launch/x.launch.py',
+]
+STAYS = [
+    'instructors.mk',
+    'nbgrader_config.py',
+    'notebooks/01/ros_ws/src/x.py',
+    'solutions/01/a.ipynb',
+    'autograder/__main__.py',
+    'autograder/judging/__pycache__/judge.pyc',
+    'exams/hidden/talker.py',
+    'autograder/new_part/new.py',
+    'autograder/classroom/similarity.py',
+    'autograder/_work/gradebook.db',
+    'tests/submissions/01/pass__reference/expected.json',
+    'temp_monitor_pkg/msg/Num.msg',
+    'temp_monitor_pkg/test/x.py',
+]
+
+
 class TestPacking:
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):
-        for name in (
-            'README.md',
-            'course.toml',
-            'docs/students.md',
-            'instructors.mk',
-            'nbgrader_config.py',
-            'notebooks/01/a.ipynb',
-            'notebooks/01/ros_ws/src/x.py',
-            'solutions/01/a.ipynb',
-            'autograder/__main__.py',
-            'autograder/judging/judge.py',
-            'autograder/judging/__pycache__/judge.pyc',
-            'exams/visible/talker.py',
-            'exams/hidden/talker.py',
-            'autograder/new_part/new.py',
-            'autograder/classroom/similarity.py',
-            'autograder/_work/gradebook.db',
-            'tests/submissions/01/pass__reference/expected.json',
-            'temp_monitor_pkg/launch/x.launch.py',
-            'temp_monitor_pkg/msg/Num.msg',
-            'temp_monitor_pkg/test/x.py',
-            'roslab/session.py',
-        ):
-            path = tmp_path / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(name)
+        names = (*GOES, *STAYS, 'README.md', 'docs/students.md')
+        laid(tmp_path, {name: name.encode() for name in names})
         shutil.copy(ROOT / 'course.toml', tmp_path)
         monkeypatch.setattr(student_bundle, 'PROJECT', tmp_path)
         (tmp_path / 'roslab' / 'link.py').symlink_to(tmp_path / 'solutions/01/a.ipynb')
         return Layout(tmp_path)
 
     def test_only_what_is_named_goes(self, layout):
-        """A new part of the project is not packed until the list names it."""
-        assert sorted(student_bundle.bundled_files(layout)) == [
-            '.github/workflows/classroom.yml',
-            'LICENSE',
-            'Makefile',
-            'README.md',
-            'autograder/judging/judge.py',
-            'course.toml',
-            'environment.md',
-            'exams/visible/talker.py',
-            'notebooks/01/a.ipynb',
-            'pixi.toml',
-            'roslab/session.py',
-            'temp_monitor_pkg/launch/x.launch.py',
-        ]
+        fixed = ['.github/workflows/classroom.yml', 'LICENSE', 'Makefile', 'README.md']
+        fixed += ['course.toml', 'environment.md', 'pixi.toml']
+
+        assert sorted(student_bundle.bundled_files(layout)) == sorted([*GOES, *fixed])
 
     def test_the_same_course_gives_the_same_bytes(self, layout, tmp_path):
-        """The bundle changes only if the course changes."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
         assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 13
@@ -143,47 +132,39 @@ def copy(tmp_path_factory):
 
 
 def names_in(copy):
-    """Return the files of a copy by their relative names."""
     return {path.relative_to(copy).as_posix(): path for path in copy.rglob('*') if path.is_file()}
+
+
+def run_in(copy, *command, **options):
+    return subprocess.run(command, cwd=copy, capture_output=True, text=True, **options)
+
+
+def made(goal, copy):
+    """Run make, without the variables of a make that runs the tests."""
+    own = {name: text for name, text in os.environ.items() if not name.startswith('MAKE')}
+    return run_in(copy, 'make', goal, env=own)
 
 
 class TestThisCourse:
     def test_every_named_file_and_folder_is_there(self):
-        """A name without a file would mean that students lack a part."""
         missing = [one for one in student_bundle.ALLOWED if not (ROOT / one).exists()]
 
         assert missing == []
 
-    @pytest.mark.parametrize(
-        'part',
-        [
-            'hidden',
-            'solutions',
-            'submissions',
-            '_work',
-            'gradebook',
-            'autograder/classroom',
-            'collect/',
-            'exports',
-        ]
-        + ['collect', 'commands/grade', 'instructors', 'nbgrader_config', 'authoring', 'similar'],
-    )
-    def test_it_has_nothing_of_the_instructors(self, copy, part):
-        """The bundle contains no hidden exams, no solutions and no code for whole classes."""
-        assert [name for name in names_in(copy) if part in name] == []
+    def test_it_has_nothing_of_the_instructors(self, copy):
+        parts = re.compile(
+            'hidden|solutions|submissions|_work|gradebook|autograder/classroom|collect|exports'
+            '|commands/grade|instructors|nbgrader_config|self_check|similar'
+        )
 
-    def test_github_finds_the_workflow(self, copy):
-        """The workflow is in the top folder's .github; the bundle has the module that it runs."""
-        assert {'.github/workflows/classroom.yml', 'autograder/workflow/__main__.py'} <= {
-            *names_in(copy)
-        }
+        assert [name for name in names_in(copy) if parts.search(name)] == []
 
-    def test_it_has_the_list_of_further_messages(self, copy):
-        """The set-up of a student's copy installs these message packages too."""
-        assert 'environment/messages.txt' in names_in(copy)
+    def test_it_has_the_workflow_its_module_and_the_list_of_further_messages(self, copy):
+        expected = '.github/workflows/classroom.yml', 'autograder/workflow/__main__.py'
+
+        assert {*expected, 'environment/messages.txt'} <= {*names_in(copy)}
 
     def test_no_answer_of_lesson_07_is_a_readable_file(self, copy):
-        """The nodes, their message and their build rules are in the packed file."""
         names = {Path(name).name for name in names_in(copy)}
         answers = {'temp_publisher.py', 'temp_subscriber.py', 'Temperature.msg', 'package.xml'}
 
@@ -193,10 +174,7 @@ class TestThisCourse:
 
     @pytest.mark.slow
     def test_everything_that_it_imports_is_in_it(self, copy):
-        """No module imports one that only instructors have."""
-        done = subprocess.run(
-            [sys.executable, '-c', IMPORT_ALL], cwd=copy, capture_output=True, text=True
-        )
+        done = run_in(copy, sys.executable, '-c', IMPORT_ALL)
 
         assert done.stderr == ''
         assert done.stdout == f'{copy}/autograder/__init__.py\n'
@@ -211,21 +189,14 @@ class TestThisCourse:
         assert 'README.md: ARCHITECTURE.md' in dead_links('README.md', ROOT / 'README.md', files)
 
     def test_its_make_help_lists_what_works_there(self, copy):
-        """The list contains every target that the page for students names."""
-        done = subprocess.run(
-            ['make', 'help'], cwd=copy, capture_output=True, text=True, env=without_make()
-        )
-        goals = HELP.findall(done.stdout)
+        goals = HELP.findall(made('help', copy).stdout)
         page = (copy / 'README.md').read_text(encoding='utf-8')
 
         assert goals == ['lab', 'publisher', 'subscriber', 'prepare', 'doctor', 'clean']
         assert set(re.findall(r'\bmake ([a-z]+)', page)) <= {*goals, 'help'}
 
     def test_a_goal_that_it_does_not_have_is_one_line(self, copy):
-        """The error says how to list the available targets."""
-        done = subprocess.run(
-            ['make', 'grade'], cwd=copy, capture_output=True, text=True, env=without_make()
-        )
+        done = made('grade', copy)
 
         assert done.returncode == 2
         assert done.stderr.startswith('make grade: this copy of the course has no such goal')
@@ -234,43 +205,29 @@ class TestThisCourse:
     @pytest.mark.slow
     @pytest.mark.parametrize('name', KINDS)
     def test_its_visible_checks_judge_a_right_answer(self, copy, name, tmp_path):
-        """The bundle is enough to run, record and judge the program."""
         (exercise,) = (one for one in exercises() if one.name == name)
-        for file, text in exercise.files.items():
-            (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
-            (tmp_path / file).write_text(text, encoding='utf-8')
-        command = [sys.executable, '-m', 'autograder.commands.check', name, '--visible']
-        done = subprocess.run(
-            [*command, '--files', str(tmp_path)], cwd=copy, capture_output=True, text=True
-        )
+        laid(tmp_path, {file: text.encode() for file, text in exercise.files.items()})
+        command = (sys.executable, '-m', 'autograder.commands.check', name, '--visible')
+        done = run_in(copy, *command, '--files', str(tmp_path))
 
         assert done.stderr == ''
         assert '[pass]' in done.stdout
         assert '[FAIL]' not in done.stdout
 
 
-def without_make():
-    """Return the environment without the variables of a make that runs the tests."""
-    return {name: text for name, text in os.environ.items() if not name.startswith('MAKE')}
-
-
 class TestPackedPackage:
-    """The finished package, packed so that students cannot read the answers."""
-
     def test_it_unpacks_to_the_same_package_without_words(self, tmp_path):
-        """A build of the unpacked package gives the same files as a build of the sources."""
         package = ROOT / 'temp_monitor_pkg'
         packed_package.unpack(packed_package.pack(package), tmp_path)
         module = tmp_path / 'temp_monitor_pkg' / 'temp_publisher.py'
 
-        assert (tmp_path / 'CMakeLists.txt').read_bytes() == (
-            package / 'CMakeLists.txt'
-        ).read_bytes()
-        assert sorted(path.name for path in module.parent.iterdir()) == sorted(
-            path.name for path in (package / 'temp_monitor_pkg').glob('*.py')
-        )
-        assert 'class TemperaturePublisher(Node)' in module.read_text(encoding='utf-8')
-        assert '"""' not in module.read_text(encoding='utf-8')
+        modules = {path.name for path in (package / 'temp_monitor_pkg').glob('*.py')}
+        text = module.read_text(encoding='utf-8')
+        built = (tmp_path / 'CMakeLists.txt').read_bytes()
+        assert built == (package / 'CMakeLists.txt').read_bytes()
+        assert {path.name for path in module.parent.iterdir()} == modules
+        assert 'class TemperaturePublisher(Node)' in text
+        assert '"""' not in text
 
     @pytest.mark.parametrize(
         ('text', 'bare'),
@@ -281,5 +238,4 @@ class TestPackedPackage:
         ],
     )
     def test_docstrings_and_comments_are_left_out(self, text, bare):
-        """Other strings are kept."""
         assert packed_package.without_words(text) == bare

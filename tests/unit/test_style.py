@@ -40,7 +40,6 @@ def prose_of(path: Path) -> str:
 
 @pytest.mark.skipif(not (ROOT / '.git').exists(), reason='asks git which files are tracked')
 def test_the_words_that_the_style_keeps_out_are_nowhere():
-    """A phrase is found even if it is broken over two lines."""
     listed = ['git', 'ls-files', '*.md', '*.py', 'autograder/*.txt', 'solutions/*.ipynb']
     names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     found = {

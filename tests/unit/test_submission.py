@@ -2,6 +2,7 @@
 
 import json
 
+from fake_grading import answer, cell
 import pytest
 
 from autograder.results import Problem, SubmissionResult
@@ -10,19 +11,12 @@ from autograder.submission.notebook import read_notebook, StudentCell
 from autograder.submission.submission import open_submission, rebuild
 
 
-def cell(grade_id='', source='', kind='code', **marks):
-    metadata = {'nbgrader': {'grade_id': grade_id, **marks}} if grade_id else {}
-    more = {'outputs': [], 'execution_count': None} if kind == 'code' else {}
-    return {'cell_type': kind, 'metadata': metadata, 'source': source, **more}
-
-
 @pytest.fixture
 def release():
-    """Return a release with one node, one check and one question."""
     return {
         'cells': [
             cell(source='# Title', kind='markdown'),
-            cell('talker', '%%node talker\n# YOUR CODE HERE', solution=True),
+            answer('# YOUR CODE HERE'),
             cell('check_talker', "check('talker')", grade=True, locked=True, points=3),
             cell('why', 'YOUR ANSWER HERE', 'markdown', solution=True, grade=True, points=2),
         ],
@@ -32,13 +26,14 @@ def release():
     }
 
 
-def student_file(release, **changes):
-    """Return the release as bytes, with the sources of some cells changed."""
+def bytes_of(*cells):
+    return json.dumps({'cells': cells}).encode()
+
+
+def student_file(release, text):
+    """Return a copy of the release whose talker has this text."""
     copy = json.loads(json.dumps(release))
-    for one in copy['cells']:
-        grade_id = one['metadata'].get('nbgrader', {}).get('grade_id')
-        if grade_id in changes:
-            one['source'] = changes[grade_id]
+    copy['cells'][1]['source'] = text
     return copy
 
 
@@ -60,11 +55,10 @@ class TestUnusable:
             (b'', 'an empty file'),
             (b'{"cells": [{"cell_type": "co', 'ends in the middle'),
             (b'{"cells": []}', 'a notebook without cells'),
-            (json.dumps({'cells': [cell('other', 'x = 1'), cell()]}).encode(), '2 other cells'),
+            (bytes_of(cell('other', 'x = 1'), cell()), '2 other cells'),
         ],
     )
     def test_work_without_a_readable_cell_is_unusable(self, data, got, release):
-        """Whatever the reason is, no flag says that locked cells are missing."""
         before = (Problem('submitted/ann', 'a folder', 'no notebook', 'submit again'),)
         opened = open_submission(data, release, 'n.ipynb', before if data is None else ())
         result = SubmissionResult('ann', 'a', problems=opened.problems)
@@ -75,8 +69,7 @@ class TestUnusable:
         assert opened.flags == ()
 
     def test_one_cell_of_the_assignment_is_enough(self, release):
-        """A missing answer costs only its own points."""
-        data = json.dumps({'cells': [cell('check_talker', "check('talker')")]}).encode()
+        data = bytes_of(cell('check_talker', "check('talker')"))
 
         opened = open_submission(data, release, 'n.ipynb')
 
@@ -85,8 +78,6 @@ class TestUnusable:
 
 
 class TestReadNotebook:
-    """Each kind of file that is not a notebook gets a different line."""
-
     @pytest.mark.parametrize(
         ('data', 'got'),
         [
@@ -105,7 +96,6 @@ class TestReadNotebook:
         ],
     )
     def test_bytes_that_are_no_notebook_get_one_clear_line(self, data, got):
-        """The line shows the file, the expected and the actual content, and what to try."""
         cells, problems = read_notebook(data, 'submitted/ann/x.ipynb')
 
         assert cells is None
@@ -127,15 +117,13 @@ class TestReadNotebook:
     def test_a_long_output_with_many_quotes_is_fine(self):
         """Quotes inside a string do not count as strings: HTML tables are full of them."""
         output = {'output_type': 'display_data', 'data': {'text/html': '<td class="a">' * 300_000}}
-        cells = [{**cell('a', 'x'), 'outputs': [output]}]
 
-        found, problems = read_notebook(json.dumps({'cells': cells}).encode(), 'x')
+        found, problems = read_notebook(bytes_of({**cell('a', 'x'), 'outputs': [output]}), 'x')
 
         assert problems == ()
         assert found[0].source == 'x'
 
     def test_parts_of_the_wrong_type_count_as_empty(self):
-        """Odd JSON in one cell costs only that cell."""
         cells = [
             None,
             {'cell_type': 3, 'source': {'a': 1}, 'metadata': []},
@@ -143,14 +131,13 @@ class TestReadNotebook:
             {'cell_type': 'code', 'source': 'x', 'metadata': {'nbgrader': {'grade_id': [1]}}},
         ]
 
-        found, problems = read_notebook(json.dumps({'cells': cells}).encode(), 'x')
+        found, problems = read_notebook(bytes_of(*cells), 'x')
 
         assert problems == ()
         assert [one.source for one in found] == ['', '', 'a\nb', 'x']
         assert {one.grade_id for one in found} == {''}
 
     def test_a_byte_order_mark_and_windows_line_ends_are_fine(self):
-        """Editors on Windows add both."""
         data = json.dumps({'cells': [cell('a', 'x\r\ny\rz')]}).encode('utf-8-sig')
 
         found, problems = read_notebook(data, 'x')
@@ -165,19 +152,19 @@ class TestReadNotebook:
         assert found[0].source.encode('utf-8') == b'a?b'
 
 
+def code(grade_id, source):
+    return StudentCell(grade_id, 'code', source)
+
+
+WHY = StudentCell('why', 'markdown', 'because')
+CHECK = code('check_talker', "check('talker')")
+
+
 class TestRebuild:
-    """The rebuilt notebook is the release with only the student's answers."""
-
     def test_answers_are_found_by_grade_id_wherever_they_stand(self, release):
-        """Order and extra cells do not matter."""
-        student = [
-            StudentCell('why', 'markdown', 'because'),
-            StudentCell('', 'code', 'scratch'),
-            StudentCell('talker', 'code', '%%node talker\nprint()'),
-            StudentCell('check_talker', 'code', "check('talker')"),
-        ]
+        talker = code('talker', '%%node talker\nprint()')
 
-        notebook, problems = rebuild(release, student)
+        notebook, problems = rebuild(release, [WHY, code('', 'scratch'), talker, CHECK])
 
         assert problems == ()
         assert source_of(notebook, 'talker') == '%%node talker\nprint()'
@@ -186,7 +173,7 @@ class TestRebuild:
 
     def test_tags_metadata_and_outputs_of_the_student_are_dropped(self, release):
         """A tag makes nbgrader skip a cell, and an output makes it give points."""
-        content = student_file(release, talker='%%node talker\npass')
+        content = student_file(release, '%%node talker\npass')
         for one in content['cells']:
             one['metadata']['tags'] = ['skip-execution']
             if one['cell_type'] == 'code':
@@ -203,24 +190,19 @@ class TestRebuild:
         """Many threads share the release."""
         before = json.dumps(release)
 
-        rebuild(release, [StudentCell('talker', 'code', 'x')])
+        rebuild(release, [code('talker', 'x')])
 
         assert json.dumps(release) == before
 
     def test_a_missing_cell_leaves_the_stub_and_is_named(self, release):
-        """The other answers are not affected."""
-        notebook, problems = rebuild(release, [StudentCell('why', 'markdown', 'because')], 'x')
+        notebook, problems = rebuild(release, [WHY], 'x')
 
         assert [problem.cells for problem in problems] == [('talker',)]
         assert source_of(notebook, 'talker') == '%%node talker\n# YOUR CODE HERE'
         assert source_of(notebook, 'why') == 'because'
 
     def test_a_renamed_cell_is_recognised_by_its_magic_line(self, release):
-        """The message says where the answer probably is."""
-        student = [
-            StudentCell('talker-Copy1', 'code', '%%node talker\npass'),
-            StudentCell('why', 'markdown', 'because'),
-        ]
+        student = [code('talker-Copy1', '%%node talker\npass'), WHY]
 
         _, problems = rebuild(release, student, 'x')
 
@@ -228,12 +210,7 @@ class TestRebuild:
         assert "talker.py with grade id 'talker-Copy1'" in problems[0].got
 
     def test_of_duplicated_cells_the_first_counts_and_nothing_is_lost(self, release):
-        """The message says which of the cells counts."""
-        student = [
-            StudentCell('talker', 'code', 'first'),
-            StudentCell('talker', 'code', 'second'),
-            StudentCell('why', 'markdown', 'because'),
-        ]
+        student = [code('talker', 'first'), code('talker', 'second'), WHY]
 
         notebook, problems = rebuild(release, student)
 
@@ -243,28 +220,16 @@ class TestRebuild:
 
     def test_a_changed_cell_type_is_repaired(self, release):
         """Pressing m in Jupyter, which changes the cell type, costs no points."""
-        student = [
-            StudentCell('talker', 'markdown', '%%node talker\npass'),
-            StudentCell('why', 'code', 'because'),
-        ]
+        student = [StudentCell('talker', 'markdown', '%%node talker\n'), code('why', 'because')]
 
         notebook, problems = rebuild(release, student)
 
-        assert [one['cell_type'] for one in notebook['cells']] == [
-            'markdown',
-            'code',
-            'code',
-            'markdown',
-        ]
+        types = [one['cell_type'] for one in notebook['cells']]
+        assert types == ['markdown', 'code', 'code', 'markdown']
         assert [problem.cells for problem in problems] == [(), ()]
 
     def test_a_changed_check_is_ignored_and_noted(self, release):
-        """Locked cells come from the release."""
-        student = [
-            StudentCell('talker', 'code', 'x'),
-            StudentCell('check_talker', 'code', '15.0'),
-            StudentCell('why', 'markdown', 'y'),
-        ]
+        student = [code('talker', 'x'), code('check_talker', '15.0'), WHY]
 
         notebook, problems = rebuild(release, student)
 
@@ -275,7 +240,7 @@ class TestRebuild:
     @pytest.mark.parametrize('text', ['x' * 65_537, 'x\r\n' * 40_000, '\u00e9' * 40_000])
     def test_an_answer_above_64_kib_is_missing(self, release, text):
         """An answer is never truncated: truncated code would be a different answer."""
-        data = json.dumps(student_file(release, talker=text)).encode()
+        data = json.dumps(student_file(release, text)).encode()
 
         opened = open_submission(data, release, 'x')
 
@@ -285,8 +250,7 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_536, 'x\r\n' * 32_768, '\u00e9' * 32_768])
     def test_an_answer_of_64_kib_counts_whole(self, release, text):
-        """The limit applies to the bytes after conversion to Unix line ends."""
-        data = json.dumps(student_file(release, talker=text)).encode()
+        data = json.dumps(student_file(release, text)).encode()
 
         opened = open_submission(data, release, 'x')
 
@@ -296,12 +260,11 @@ class TestRebuild:
     def test_cells_are_looked_through_once_however_many_answers_are_missing(
         self, release, monkeypatch
     ):
-        """The grader parses each cell once, and only its first line."""
         release['cells'] += [
             cell(f'more_{number}', f'%%node more_{number}\n', solution=True)
             for number in range(20)
         ]
-        student = [StudentCell(f'c{n}', 'code', f'%%node c{n}\nx\n') for n in range(100)]
+        student = [code(f'c{n}', f'%%node c{n}\nx\n') for n in range(100)]
         seen = []
         parse = submission.parse_cell
         monkeypatch.setattr(

@@ -1,64 +1,27 @@
 """The grader holds one notebook of a class in memory at a time, and keeps only answers."""
 
-from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 import json
 import tracemalloc
+from types import SimpleNamespace
+
+from collect_sources import laid
+from fake_grading import answer, cell, FakeEngine, FakeExam
 
 from autograder.grading.pipeline import grade_class, Lesson
-from autograder.results import ExamResult
 from autograder.submission.inbox import discover
 from autograder.submission.submission import open_submission
 
 MEGABYTE = 1_000_000
 STUDENTS = 12
 FILE = 'talker.ipynb'
-
-
-def cell(source):
-    """Return an answer cell with this source."""
-    marks = {'grade_id': 'talker', 'solution': True}
-    return {'cell_type': 'code', 'metadata': {'nbgrader': marks}, 'source': source}
-
-
-RELEASE = {'cells': [cell('%%node talker\n# YOUR CODE HERE')], 'metadata': {}}
-
-
-@dataclass(frozen=True)
-class FakeExam:
-    """The parts of an exam that the pipeline needs."""
-
-    name: str = 'talker'
-    cells: tuple[str, ...] = ('talker',)
-
-
-class FakeEngine:
-    """Returns a result without running anything."""
-
-    def run(self, exam, files):
-        """Return an empty result."""
-        return ExamResult(exam.name, ())
-
-
-def large_notebook(picture=MEGABYTE):
-    """Return a notebook whose answer has a large picture as its output."""
-    output = {'output_type': 'display_data', 'data': {'image/png': 'A' * picture}}
-    return json.dumps({'cells': [{**cell('%%node talker\npass'), 'outputs': [output]}]}).encode()
-
-
-@dataclass
-class Traced:
-    """Memory that Python has allocated since the start of a measurement [bytes]."""
-
-    kept: int = 0
-    peak: int = 0
+RELEASE = {'cells': [answer('# YOUR CODE HERE')], 'metadata': {}}
 
 
 @contextmanager
-def traced() -> Iterator[Traced]:
-    """Measure what a block allocates."""
-    found = Traced()
+def traced():
+    """Yield an object that gets the memory [bytes] which the block has kept, and its peak."""
+    found = SimpleNamespace()
     tracemalloc.start()
     try:
         yield found
@@ -68,11 +31,9 @@ def traced() -> Iterator[Traced]:
 
 
 def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
-    """The bytes of each notebook are dropped before the next one is read."""
-    for number in range(STUDENTS):
-        folder = tmp_path / f's{number:02}' / '01'
-        folder.mkdir(parents=True)
-        (folder / FILE).write_bytes(large_notebook())
+    picture = {'output_type': 'display_data', 'data': {'image/png': 'A' * MEGABYTE}}
+    data = json.dumps({'cells': [{**answer('pass'), 'outputs': [picture]}]}).encode()
+    laid(tmp_path, {f's{number:02}/01/{FILE}': data for number in range(STUDENTS)})
     lesson = Lesson('01', FILE, RELEASE, (FakeExam(),))
 
     with traced() as memory:
@@ -86,8 +47,7 @@ def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
 
 
 def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
-    """A cell of many megabytes gives one problem, and its content is not kept."""
-    data = json.dumps({'cells': [cell('x' * 10 * MEGABYTE)]}).encode()
+    data = json.dumps({'cells': [cell('talker', 'x' * 10 * MEGABYTE)]}).encode()
 
     with traced() as memory:
         opened = open_submission(data, RELEASE, 'x')

@@ -2,9 +2,10 @@
 
 import math
 
+from handmade_runs import at, cause_id_of, failure, message, run_of, why
 import pytest
 
-from autograder.exam.exam import Failed, Run
+from autograder.exam.exam import Run
 from autograder.exam.scenario import RosClock
 from autograder.exam.specification import Specification
 from autograder.judging.judge import closest
@@ -15,14 +16,8 @@ from exams.readings import Reading, slips, warns
 from exams.visible import temperature_publisher as publisher
 from exams.visible import temperature_subscriber as subscriber
 
-ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
 TIMER = 'self.create_timer(1.0, self.publish_reading)\n'
-
-
-def why(check, run):
-    with pytest.raises(Failed) as failed:
-        check(run)
-    return failed.value.why
+SLEEPS = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
 
 
 # -- the publisher --------------------------------------------------------------------------
@@ -38,21 +33,13 @@ def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
 
     :param moments_s: system time [s]; the run lasts ten ROS seconds or eight system seconds
     """
-    events = [{'event': 'mark', 'name': 'minute', 'clock_ns': round(BEGIN_S * 1e9)}]
+    events = [at(BEGIN_S, 'mark', name='minute')]
     for moment_s in moments_s:
-        clock_ns = round(moment_s * 1e9)
-        sec, nanosec = divmod(stamp(clock_ns), 10**9)
-        events.append(
-            {
-                'event': 'message',
-                'topic': publisher.TOPIC,
-                'listener': None,
-                'clock_ns': clock_ns,
-                'data': {'timestamp': {'sec': sec, 'nanosec': nanosec}},
-            }
-        )
+        sec, nanosec = divmod(stamp(round(moment_s * 1e9)), 10**9)
+        data = {'timestamp': {'sec': sec, 'nanosec': nanosec}}
+        events.append(message(moment_s, publisher.TOPIC, data, listener=None))
     facts = {'seconds': 10, 'clock': CLOCK}
-    return Run({'temp_publisher.py': code}, Recording({}, (*events, *ENDS)), facts)
+    return run_of(*events, code=code, file='temp_publisher.py', facts=facts)
 
 
 def every(ros_s, begin_s=0.8, until_s=BEGIN_S + 8.0):
@@ -66,7 +53,6 @@ class TestRhythm:
 
     @pytest.mark.parametrize('begin_s', [0.64, 0.8, 1.3, 1.45])
     def test_second_of_the_ros_clock_is_right(self, begin_s):
-        """The rhythm may begin at any time within the second."""
         publisher.publishes_once_per_second(published(every(1.0, begin_s)))
 
     def test_message_may_be_a_step_late(self):
@@ -88,86 +74,62 @@ class TestRhythm:
         ],
     )
     def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
-        """The messages alone reveal the cause."""
-        with pytest.raises(Failed) as failed:
-            publisher.publishes_once_per_second(published(moments_s))
+        failed = failure(publisher.publishes_once_per_second, published(moments_s))
 
-        assert (failed.value.why.cause_id if failed.value.why else '') == cause_id
-        assert failed.value.observed.startswith(observed)
+        assert (failed.why.cause_id if failed.why else '') == cause_id
+        assert failed.observed.startswith(observed)
 
     @pytest.mark.parametrize(
         ('code', 'cause_id'),
         [
-            (f'{TIMER}def publish_reading(self):\n    time.sleep(2)', 'sleeps_in_callback'),
+            (SLEEPS, 'sleeps_in_callback'),
             ('while True:\n    rclpy.spin_once(node, timeout_sec=1.0)', 'paced_by_spin_once'),
             (f'{TIMER}clock = Clock(clock_type=ClockType.STEADY_TIME)', 'wrong_rate'),
         ],
     )
     def test_code_tells_why_a_period_is_longer(self, code, cause_id):
-        """A clock that the code mentions need not set the period."""
         found = why(publisher.publishes_once_per_second, published(every(2.0), code))
 
         assert found.cause_id == cause_id
 
 
-class TestStamps:
+LATE = every(1.0, 1.6)
+
+
+@pytest.mark.parametrize(
+    ('moments_s', 'code', 'stamp', 'cause_id'),
+    [
+        (every(1.0), '', CLOCK.at, None),
+        # The previous step is correct too, if a step and the message coincide.
+        (every(1.0), '', lambda now: CLOCK.at(now) - 10**8, None),
+        # The clock shows zero only before its first step.
+        ([0.2, *every(1.0)], '', lambda now: CLOCK.at(now) * (now > 3 * 10**8), None),
+        ([0.2, *every(1.0)], '', lambda now: CLOCK.at(now) * (now > 9 * 10**8), 'missing_stamp'),
+        (every(2.0), SLEEPS, lambda now: CLOCK.at(now) - 2 * 10**9, 'sleeps_in_callback'),
+        (every(1.0), '', lambda now: CLOCK.at(now - round(10**9 / CLOCK.rate)), 'prepared_stamp'),
+        (LATE, '', lambda now: now, 'stale_stamp'),
+        (LATE, '', lambda now: CLOCK.at(now) - 2 * 10**8, 'stale_stamp'),
+        (LATE, '', lambda now: CLOCK.at(now) + 10**8, 'stale_stamp'),
+        (LATE, '', lambda now: CLOCK.at(now) + 1, 'stale_stamp'),
+        (LATE, '', lambda now: CLOCK.at(now) // 10**9 * 10**9, 'nanoseconds'),
+        (LATE, '', lambda now: 1_790_000_000 * 10**9 + now, 'wall_clock'),
+    ],
+)
+def test_stamp_has_to_be_the_last_step_of_the_clock(moments_s, code, stamp, cause_id):
     """Between two steps, the clock does not advance."""
+    run = published(moments_s, code, stamp)
 
-    @pytest.mark.parametrize('steps', [0, 1])
-    def test_reported_step_is_the_time(self, steps):
-        """The time of the previous step is correct too, if a step and the message coincide."""
-        run = published(every(1.0), stamp=lambda now: CLOCK.at(now) - steps * 10**8)
-
-        publisher.stamps_follow_the_clock(run)
-
-    def test_clock_shows_zero_before_its_first_step_alone(self):
-        """Only messages from before the first step may have stamp zero."""
-        early = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 3 * 10**8))
-        late = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 9 * 10**8))
-
-        publisher.stamps_follow_the_clock(early)
-        assert why(publisher.stamps_follow_the_clock, late).cause_id == 'missing_stamp'
-
-    def test_sleep_between_stamp_and_message_is_reported(self):
-        """The clock advances, although a sleeping node does not notice."""
-        code = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
-        run = published(every(2.0), code, stamp=lambda now: CLOCK.at(now) - 2 * 10**9)
-
-        assert why(publisher.stamps_follow_the_clock, run).cause_id == 'sleeps_in_callback'
-
-    def test_message_that_is_stamped_one_message_earlier_is_reported(self):
-        run = published(every(1.0), stamp=lambda now: CLOCK.at(now - round(10**9 / CLOCK.rate)))
-
-        assert why(publisher.stamps_follow_the_clock, run).cause_id == 'prepared_stamp'
-
-    @pytest.mark.parametrize(
-        ('stamp', 'cause_id'),
-        [
-            (lambda now: now, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) - 2 * 10**8, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) + 10**8, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) + 1, 'stale_stamp'),
-            (lambda now: CLOCK.at(now) // 10**9 * 10**9, 'nanoseconds'),
-            (lambda now: 1_790_000_000 * 10**9 + now, 'wall_clock'),
-        ],
-    )
-    def test_stamp_of_another_time_is_wrong(self, stamp, cause_id):
-        """Stamps are compared to the nanosecond."""
-        run = published(every(1.0, 1.6), stamp=stamp)
-
-        assert why(publisher.stamps_follow_the_clock, run).cause_id == cause_id
+    assert cause_id_of(publisher.stamps_follow_the_clock, run) == cause_id
 
 
 @pytest.mark.parametrize(('count', 'judged'), [(1, False), (2, True)])
 def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
-    """Fewer readings prove nothing about a whole minute."""
     run = published(every(1.0)[:count])
 
     if judged:
         assert len(publisher.enough_readings(run)) == count
     else:
-        with pytest.raises(Failed):
-            publisher.enough_readings(run)
+        failure(publisher.enough_readings, run)
 
 
 @pytest.mark.parametrize(
@@ -181,7 +143,6 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
     ],
 )
 def test_stamp_of_zero_is_explained_by_what_the_code_does(code, cause_id, words):
-    """Without evidence in the code, no cause is named."""
     run = published(every(1.0), code, stamp=lambda _: 0)
 
     found = closest(Code(run.files), why(publisher.stamps_follow_the_clock, run))
@@ -202,23 +163,11 @@ def heard(readings, answer, code='', secret=False, printed=''):
     """Return a run of the subscriber, which logs a function's result for each reading."""
     events = []
     for number, reading in enumerate(readings):
-        sent = {'event': 'input', 'index': number, 'clock_ns': number}
-        events.append({**sent, 'data': reading.message(number)})
-        events += [
-            {
-                'event': 'log',
-                'name': 'temperature_subscriber',
-                'level': level,
-                'text': text,
-                'after_input': number,
-                'clock_ns': number,
-            }
-            for level, text in answer(reading)
-        ]
-    asked = Specification(readings, warns(), slips())
-    facts = {'secret': secret, 'warnings': asked}
-    ends = (ENDS[0], {**ENDS[1], 'stdout': printed})
-    return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ends)), facts)
+        events.append(at(number, 'input', index=number, data=reading.message(number)))
+        line = at(number, 'log', name='temperature_subscriber', after_input=number)
+        events += [{**line, 'level': level, 'text': text} for level, text in answer(reading)]
+    facts = {'secret': secret, 'warnings': Specification(readings, warns(), slips())}
+    return run_of(*events, code=code, file='temp_subscriber.py', facts=facts, stdout=printed)
 
 
 def right(reading):
@@ -234,11 +183,6 @@ CHECKS = (
 )
 
 
-def warnings_only(reading):
-    """Return only the warnings."""
-    return right(reading)[1:]
-
-
 STDERR = (
     'Traceback (most recent call last):\n'
     '  File "/submission/temp_subscriber.py", line 7, in judge\n    x\n'
@@ -250,27 +194,24 @@ EDGE = Reading(30.0, 'a reading of exactly the limit')
 def ended(readings, sent, answer):
     """Return a run in which an exception ends the program at the last reading that is sent."""
     run = heard(readings[:sent], answer)
-    process = {**ENDS[1], 'exit': 1, 'stdout': '', 'stderr': STDERR}
-    events = [*run.recording.events[:-2], {**ENDS[0], 'reason': 'student_exited'}, process]
     asked = Specification(readings, warns(), slips())
-    return Run(run.files, Recording({}, events), {**run.facts, 'warnings': asked})
+    facts = {**run.facts, 'warnings': asked}
+    done = {'reason': 'student_exited', 'exit': 1, 'stderr': STDERR}
+    return run_of(*run.recording.events[:-2], file='temp_subscriber.py', facts=facts, **done)
 
 
 class TestEndOfTheProgram:
     """An exception explains what is missing afterwards, not what was wrong earlier."""
 
-    @pytest.mark.parametrize(
-        ('check', 'cause_id'),
-        [
-            (subscriber.stays_quiet_otherwise, 'warns_at_threshold'),
-            (subscriber.reports_an_unknown_unit, 'exception'),
-            (subscriber.logs_every_reading, 'exception'),
-        ],
-    )
-    def test_each_check_has_its_own_cause(self, check, cause_id):
+    def test_each_check_has_its_own_cause(self):
         run = ended([COOL, HOT, EDGE, ODD, COOL], 4, at_or_above)
 
-        assert why(check, run).cause_id == cause_id
+        failed = failure(subscriber.logs_every_reading, run)
+        assert why(subscriber.stays_quiet_otherwise, run).cause_id == 'warns_at_threshold'
+        assert why(subscriber.reports_an_unknown_unit, run).cause_id == 'exception'
+        assert failed.why.cause_id == 'exception'
+        assert 'which was not sent, because the run had ended' in str(failed)
+        assert failed.place == 4
 
     def test_answer_that_the_exception_cut_off_does_not_hide_the_mistake(self):
         """The hot reading at the end has no warning, because the exception came first."""
@@ -280,21 +221,10 @@ class TestEndOfTheProgram:
         assert why(subscriber.warns_when_too_hot, run).cause_id == 'exception'
 
     def test_wrong_warning_without_a_known_mistake_is_only_described(self):
-        odd_one = Reading(20.0, 'a cool reading')
-        run = ended(
-            [COOL, HOT, odd_one, ODD, COOL], 4, lambda one: [(WARN, '')] * (one.value < 21)
-        )
+        readings = [COOL, HOT, Reading(20.0, 'a cool reading'), ODD, COOL]
+        run = ended(readings, 4, lambda one: [(WARN, '')] * (one.value < 21))
 
         assert why(subscriber.stays_quiet_otherwise, run).cause_id != 'exception'
-
-    def test_reading_that_was_not_sent_is_marked_and_said(self):
-        run = ended([COOL, HOT, EDGE, ODD, COOL], 4, at_or_above)
-
-        with pytest.raises(
-            Failed, match='which was not sent, because the run had ended'
-        ) as failed:
-            subscriber.logs_every_reading(run)
-        assert failed.value.place == 4
 
 
 def at_or_above(reading):
@@ -307,9 +237,6 @@ OWN = '[WARN] [temperature_subscriber]: Too warm: 45.25 degC is above 30.0 degC\
 
 
 class TestUnlogged:
-    """Some lines are missing; the others are on standard output as well."""
-
-    @pytest.mark.parametrize('check', [subscriber.logs_every_reading, CHECKS[2]])
     @pytest.mark.parametrize(
         ('printed', 'code', 'cause_id'),
         [
@@ -319,11 +246,12 @@ class TestUnlogged:
             ('[INFO] [mine]: 21.50 Celsius\n', '', 'other_logger'),
         ],
     )
-    def test_own_warnings_are_no_printed_readings(self, check, printed, code, cause_id):
+    def test_own_warnings_are_no_printed_readings(self, printed, code, cause_id):
         """ROS also writes the log lines to standard output in this course."""
-        run = heard([COOL, HOT, COOL], warnings_only, code, printed=OWN + printed)
+        run = heard([COOL, HOT, COOL], lambda one: right(one)[1:], code, printed=OWN + printed)
 
-        assert why(check, run).cause_id == cause_id
+        assert why(subscriber.logs_every_reading, run).cause_id == cause_id
+        assert why(subscriber.stays_quiet_otherwise, run).cause_id == cause_id
 
     @pytest.mark.parametrize(
         ('printed', 'code', 'cause_id'),
@@ -335,13 +263,11 @@ class TestUnlogged:
         ],
     )
     def test_warning_alone_may_be_elsewhere(self, printed, code, cause_id):
-        """The readings are logged correctly, but the warning is missing or went elsewhere."""
         run = heard([COOL, HOT, COOL], lambda one: right(one)[:1], code, printed=printed)
 
         assert why(subscriber.warns_when_too_hot, run).cause_id == cause_id
 
     def test_missing_warning_that_no_slip_explains_is_only_described(self):
-        """No known slip leaves out only the second of three warnings."""
         readings = [COOL, HOT, Reading(46.0, 'another hot reading'), HOT, COOL]
         run = heard(readings, lambda one: right(one)[: 1 + (one is HOT)])
 
@@ -356,7 +282,6 @@ class TestUnlogged:
         ],
     )
     def test_error_that_nobody_gets_is_looked_for_where_all_is_silent(self, printed, cause_id):
-        """Here the program logs nothing at all."""
         run = heard([COOL, ODD, COOL], lambda _: [], printed=printed)
 
         found = why(subscriber.reports_an_unknown_unit, run)
@@ -382,8 +307,6 @@ class TestUnlogged:
 
 
 class TestErrors:
-    """A valid reading is answered with an ERROR, whose text gives the reason."""
-
     @pytest.mark.parametrize('check', CHECKS)
     @pytest.mark.parametrize(
         ('text', 'cause_id', 'words'),
@@ -407,21 +330,18 @@ class TestErrors:
     def test_text_of_the_error_is_reported_and_no_unit_invented(
         self, check, text, cause_id, words
     ):
-        """The unit is blamed only if the line mentions it."""
         found = why(check, heard([COOL, HOT, COOL], lambda _: [(ERROR, text)]))
 
         assert found.cause_id == cause_id
         assert words in found.text
 
     def test_readings_that_are_all_logged_as_errors_have_the_wrong_level(self):
-        """The line contains the value, so only the level is wrong."""
         run = heard([COOL, HOT], lambda reading: [(ERROR, f'{reading.value} Celsius')])
 
         assert why(subscriber.logs_every_reading, run).cause_id == 'wrong_level'
         assert why(subscriber.warns_when_too_hot, run).cause_id == 'wrong_level'
 
     def test_line_of_a_hidden_exam_is_quoted_without_what_was_sent(self):
-        """The quotation contains no secret numbers or units."""
         text = "bad 21.5, heard 45.25 and qxz, name 'x' is not defined " + 'long ' * 99
 
         found = why(CHECKS[0], heard([COOL, HOT, ODD], lambda _: [(ERROR, text)], secret=True))
@@ -440,8 +360,6 @@ class TestErrors:
 
 
 class TestFahrenheit:
-    """Readings in Fahrenheit are refused, but readings in Celsius are accepted."""
-
     @staticmethod
     def refusing(code, text='unknown unit'):
         """Return a run of a node that does not know Fahrenheit."""
@@ -475,7 +393,6 @@ class TestFahrenheit:
         assert 'warning' not in found.try_this
 
     def test_wrong_conversion_is_no_wrong_comparison(self):
-        """The comparison is correct for Celsius."""
         run = heard([COOL, HOT, WARM_F, COOL], lambda one: right(one)[: 1 + (one is HOT)])
 
         found = why(subscriber.converts_fahrenheit, run)
@@ -484,7 +401,6 @@ class TestFahrenheit:
         assert '86 °F must give 30' in found.try_this
 
     def test_comparison_that_is_wrong_in_celsius_too_is_blamed_for_both(self):
-        """A node that warns only once misses the warning about Fahrenheit too."""
         run = heard([HOT, HOT, WARM_F, COOL], right)
         first, *others = run.recording.logs(level=WARN)
         events = [event for event in run.recording.events if event not in others]
@@ -494,14 +410,12 @@ class TestFahrenheit:
         assert why(subscriber.converts_fahrenheit, run).cause_id == 'warns_once'
 
     def test_mistake_in_the_conversion_is_quoted(self):
-        """An error message from Python is not a report of an unknown unit."""
         run = self.refusing('', "unsupported operand type(s) for -: 'str' and 'int'")
 
         assert why(subscriber.converts_fahrenheit, run).cause_id == 'logged_error'
 
 
 def test_warning_of_nan_is_no_wrong_comparison_elsewhere():
-    """All other readings are judged correctly."""
     run = heard([COOL, NAN, HOT], lambda one: [(WARN, 'oh')] if one.odd else right(one))
 
     assert why(subscriber.does_not_warn_about_nan, run).cause_id == 'nan'

@@ -1,11 +1,10 @@
 """Find the exception that ended a program, and the learner's line, in the printed traceback."""
 
+from handmade_runs import graph, run_of
 import pytest
 
-from autograder.exam.exam import Run
 from autograder.judging.causes.ended import why_it_ended
 from autograder.judging.causes.tracebacks import traceback_of
-from autograder.recording import Recording
 
 HEAD = 'Traceback (most recent call last):\n'
 CODE = """def main():
@@ -19,15 +18,15 @@ sys.exit(main())
 
 
 def part(error, line=3):
-    """Return one traceback."""
     return f'{HEAD}  File "/submission/talker.py", line {line}, in main\n    x\n    ^^^\n{error}\n'
 
 
 def ended(stderr, code=CODE):
     """Return a run whose program printed something and failed."""
-    process = {'event': 'process', 'exit': 1, 'killed': '', 'stdout': '', 'stderr': stderr}
-    graph = {'event': 'graph', 'when': 'end', 'nodes': ['/talker'], 'endpoints': []}
-    return Run({'talker.py': code}, Recording({}, (graph, process)))
+    seen = graph(nodes=['/talker'])
+    return run_of(
+        seen, code=code, file='talker.py', reason='student_exited', exit=1, stderr=stderr
+    )
 
 
 @pytest.mark.parametrize(
@@ -35,7 +34,6 @@ def ended(stderr, code=CODE):
     ['Exception: unknown unit', 'Exception', '__main__.SensorFault: 3', 'KeyboardInterrupt'],
 )
 def test_an_exception_of_any_name_is_seen(error):
-    """Learners raise Exception, and exceptions of their own with any name."""
     trace = traceback_of(ended(part(error)))
 
     assert trace.error == error
@@ -54,39 +52,36 @@ def test_the_usual_last_line_is_no_exit_of_the_program():
     assert exits.cause_id == 'ends_itself'
 
 
-@pytest.mark.parametrize(
-    'between',
-    [
-        'The above exception was the direct cause of the following exception:',
-        'During handling of the above exception, another exception occurred:',
-    ],
-)
-def test_of_chained_exceptions_the_last_ended_the_program(between):
-    """The program caught the earlier exceptions."""
-    stderr = f'{part("ValueError: no number")}\n{between}\n\n{part("Exception: bad", 4)}'
-
-    trace = traceback_of(ended(stderr))
-
-    assert (trace.error, trace.line) == ('Exception: bad', 4)
+DIRECT = 'The above exception was the direct cause of the following exception:'
+DURING = 'During handling of the above exception, another exception occurred:'
 
 
 @pytest.mark.parametrize(
-    'last',
+    ('between', 'last', 'line'),
     [
-        "UnboundLocalError: cannot access local variable 'node' where it is not associated with "
-        'a value',
-        "UnboundLocalError: local variable 'node' referenced before assignment",
-        "NameError: name 'node' is not defined",
+        # The program caught the earlier exception.
+        (DIRECT, 'Exception: bad', 4),
+        (DURING, 'Exception: bad', 4),
+        # Because of the first exception, the node that the program destroys does not exist.
+        (
+            DURING,
+            "UnboundLocalError: cannot access local variable 'node' where it is not associated "
+            'with a value',
+            6,
+        ),
+        (DURING, "UnboundLocalError: local variable 'node' referenced before assignment", 6),
+        (DURING, "NameError: name 'node' is not defined", 6),
     ],
 )
-def test_cleaning_up_what_was_never_made_hides_no_exception(last):
-    """Because of the first exception, the node that the program destroys does not exist."""
-    between = '\nDuring handling of the above exception, another exception occurred:\n\n'
-    stderr = part('TypeError: no name') + between + part(last, 6)
+def test_of_chained_exceptions_the_last_counts_except_for_one_while_cleaning_up(
+    between, last, line
+):
+    first = 'TypeError: no name'
+    stderr = f'{part(first)}\n{between}\n\n{part(last, line)}'
 
     trace = traceback_of(ended(stderr))
 
-    assert (trace.error, trace.line) == ('TypeError: no name', 3)
+    assert (trace.error, trace.line) == ((first, 3) if line == 6 else (last, line))
 
 
 def test_an_exception_that_python_ignores_ended_nothing():
@@ -108,7 +103,6 @@ def test_further_lines_of_a_message_are_no_error():
 
 
 def test_error_that_lost_its_frames_is_seen_all_the_same():
-    """The beginning of a long output is cut off."""
     trace = traceback_of(ended('    x\nValueError: bad\n'))
 
     assert (trace.error, trace.line, trace.place) == ('ValueError: bad', None, None)
@@ -116,7 +110,6 @@ def test_error_that_lost_its_frames_is_seen_all_the_same():
 
 
 def test_suggestion_behind_a_path_is_kept():
-    """The path on this machine is removed from the middle of the message."""
     said = "ImportError: cannot import name 'Nod' from 'rclpy.node'"
     trace = traceback_of(ended(part(f"{said} (/usr/rclpy/node.py). Did you mean: 'Node'?")))
 

@@ -14,30 +14,29 @@ def at(line, error, above=''):
     return exception_cause(Traceback(error, source.count('\n'), line, source))
 
 
+def undefined(name, hint=''):
+    """Return Python's message about a name, with what it adds if it has a suggestion."""
+    return f"name '{name}' is not defined{hint and f'. {hint}'}"
+
+
 @pytest.mark.parametrize(
-    ('line', 'said', 'words'),
+    ('line', 'name', 'hint', 'words'),
     [
-        ('class Talker(Node):', "name 'Node' is not defined", 'from rclpy.node import Node'),
-        ('math.isnan(x)', "name 'math' is not defined", 'import math'),
-        ('np.mean(x)', "name 'np' is not defined", 'import numpy as np'),
+        ('class Talker(Node):', 'Node', '', 'from rclpy.node import Node'),
+        ('math.isnan(x)', 'math', '', 'import math'),
+        ('np.mean(x)', 'np', '', 'import numpy as np'),
+        ('sys.exit(1)', 'sys', "Did you forget to import 'sys'?", 'import sys'),
+        ('sys.exit(1)', 'sys', '', 'import sys'),
         (
-            'sys.exit(1)',
-            "name 'sys' is not defined. Did you forget to import 'sys'?",
-            'import sys',
-        ),
-        ('sys.exit(1)', "name 'sys' is not defined", 'import sys'),
-        (
-            'time.time()',
-            "name 'time' is not defined. Did you mean: 'Time'? Or did you forget to import "
-            "'time'?",
+            *('time.time()', 'time'),
+            "Did you mean: 'Time'? Or did you forget to import 'time'?",
             'import time',
         ),
-        ('sleep(1.0)', "name 'sleep' is not defined", 'from time import sleep'),
+        ('sleep(1.0)', 'sleep', '', 'from time import sleep'),
     ],
 )
-def test_the_import_that_is_missing_is_written_out(line, said, words):
-    """The fix shows the import, and says why an import in a different cell does not help."""
-    found = at(line, f'NameError: {said}')
+def test_the_import_that_is_missing_is_written_out(line, name, hint, words):
+    found = at(line, f'NameError: {undefined(name, hint)}')
 
     assert found.cause_id == 'missing_import'
     assert found.try_this.endswith(f'Write at the top: {words}')
@@ -52,120 +51,84 @@ def test_the_import_that_is_missing_is_written_out(line, said, words):
     ],
 )
 def test_name_with_two_origins_is_reported_with_both(name, lines):
-    """Only the learner knows which of the two the line needs."""
-    found = at(f'stamp = {name}()', f"NameError: name '{name}' is not defined")
+    found = at(f'stamp = {name}()', f'NameError: {undefined(name)}')
 
     assert all(line in found.try_this for line in lines)
 
 
+FORGOT = "Did you forget to import 'code'?"
 MAIN = 'class Talker:\n    def main(self):\n        node = 1\n'
 
 
 @pytest.mark.parametrize(
-    ('line', 'said', 'above', 'words'),
+    ('line', 'name', 'hint', 'above', 'words'),
     [
-        (
-            'Temperatur()',
-            "name 'Temperatur' is not defined. Did you mean: 'Temperature'?",
-            '',
-            'Did you mean Temperature?',
-        ),
-        (
-            'publisher.publish(m)',
-            "name 'publisher' is not defined. Did you mean: 'self.publisher'?",
-            '',
-            'Did you mean self.publisher?',
-        ),
-        ('main()', "name 'main' is not defined. Did you mean: 'min'?", MAIN, 'at the left margin'),
-        ('main()', "name 'main' is not defined. Did you mean: 'min'?", '', 'Write def main'),
-        (
-            'main()',
-            "name 'main' is not defined",
-            'def main(args=None):\n',
-            'above the lines that call',
-        ),
-        ('x = node.name', "name 'node' is not defined. Did you mean: 'Node'?", MAIN, 'self.node'),
-        ("start('talker')", "name 'start' is not defined", '', 'works only in the notebook'),
-        (
-            'print(code)',
-            "name 'code' is not defined. Did you forget to import 'code'?",
-            '',
-            'spelled as in its definition',
-        ),
-        ('print(limit)', "name 'limit' is not defined", '', 'separate file'),
-        ('self.x = 1', "name 'self' is not defined", '', 'Only methods have self'),
+        ('Temperatur()', 'Temperatur', 'Temperature', '', 'Did you mean Temperature?'),
+        ('publisher.go()', 'publisher', 'self.publisher', '', 'Did you mean self.publisher?'),
+        ('main()', 'main', 'min', MAIN, 'at the left margin'),
+        ('main()', 'main', 'min', '', 'Write def main'),
+        ('main()', 'main', '', 'def main(args=None):\n', 'above the lines that call'),
+        ('x = node.name', 'node', 'Node', MAIN, 'self.node'),
+        ("start('talker')", 'start', '', '', 'works only in the notebook'),
+        ('print(code)', 'code', FORGOT, '', 'spelled as in its definition'),
+        ('print(limit)', 'limit', '', '', 'separate file'),
+        ('self.x = 1', 'self', '', '', 'Only methods have self'),
     ],
 )
-def test_a_name_that_nothing_made_is_reported_with_what_it_may_be(line, said, above, words):
-    """Python's suggestion is shown, unless the code allows a better one."""
-    found = at(line, f'NameError: {said}', above)
+def test_a_name_that_nothing_made_is_reported_with_what_it_may_be(line, name, hint, above, words):
+    hint = hint if hint in ('', FORGOT) else f"Did you mean: '{hint}'?"
+
+    found = at(line, f'NameError: {undefined(name, hint)}', above)
 
     assert found.cause_id == 'unknown_name'
     assert words in found.try_this
 
 
 @pytest.mark.parametrize(
-    ('said', 'cause_id', 'words'),
+    ('said', 'words'),
     [
-        (
-            "cannot import name 'Node' from 'rclpy'. Did you mean: 'node'?",
-            'import',
-            'Write: from rclpy.node import Node',
-        ),
-        (
-            "cannot import name 'String' from 'std_msgs'",
-            'import',
-            'Write: from std_msgs.msg import String',
-        ),
-        (
-            "cannot import name 'Pose' from 'geometry_msgs'",
-            'import',
-            'from geometry_msgs.msg import Pose',
-        ),
-        (
-            "cannot import name 'Temperature' from 'temp_monitor_pkg.msg'",
-            'import',
-            'build_messages()',
-        ),
-        (
-            "cannot import name 'QosProfile' from 'rclpy.qos'. Did you mean: 'QoSProfile'?",
-            'import',
-            'Did you mean QoSProfile?',
-        ),
-        ("cannot import name 'QosProfile' from 'rclpy.qos'", 'import', 'help(rclpy.qos)'),
-        ("No module named 'rospy'", 'ros_1', 'In ROS 2, write import rclpy'),
-        ("No module named 'station_interfaces'", 'message_not_built', 'build_messages()'),
-        ("No module named 'rclpy.nodes'", 'import', 'Did you mean rclpy.node?'),
-        ("No module named 'std_msg'", 'import', 'Did you mean std_msgs?'),
-        (
-            "No module named 'temp_monitor_pkg.msgs'",
-            'import',
-            'Did you mean temp_monitor_pkg.msg?',
-        ),
-        ("No module named 'pandas'", 'import', 'Is the module installed?'),
-        ("No module named 'tmie'", 'import', 'Did you mean time?'),
-        ("No module named 'nunpy'", 'import', 'Did you mean numpy?'),
-        ("No module named 'temp_monitor_pkg.tresholds'", 'import', 'Check the spelling'),
-        ("No module named 'weather_msgs.msg'", 'message_not_built', 'build_messages()'),
-        ("No module named 'geometry_msg'", 'import', 'Did you mean geometry_msgs?'),
-        ("No module named 'geometry_msgs'", 'message_not_built', 'environment/messages.txt'),
-        ("No module named 'toy_srvs'", 'message_not_built', 'environment/messages.txt'),
-        ("No module named 'temp_monitor_pkg'", 'message_not_built', 'build_messages()'),
+        ("'Node' from 'rclpy'. Did you mean: 'node'?", 'Write: from rclpy.node import Node'),
+        ("'String' from 'std_msgs'", 'Write: from std_msgs.msg import String'),
+        ("'Pose' from 'geometry_msgs'", 'from geometry_msgs.msg import Pose'),
+        ("'Temperature' from 'temp_monitor_pkg.msg'", 'build_messages()'),
+        ("'QosProfile' from 'rclpy.qos'. Did you mean: 'QoSProfile'?", 'Did you mean QoSProfile?'),
+        ("'QosProfile' from 'rclpy.qos'", 'help(rclpy.qos)'),
     ],
 )
-def test_an_import_is_reported_with_the_one_to_write(said, cause_id, words):
-    """If the name is spelled correctly, the feedback does not mention its spelling."""
-    kind = 'ModuleNotFoundError' if said.startswith('No') else 'ImportError'
+def test_a_name_that_a_module_lacks_is_reported_with_the_import_to_write(said, words):
+    found = at('import x', f'ImportError: cannot import name {said}')
 
-    found = at('import x', f'{kind}: {said}')
-
-    assert found.cause_id == cause_id
+    assert (found.cause_id, found.line) == ('import', 1)
     assert words in found.try_this
-    assert found.line == 1
+
+
+@pytest.mark.parametrize(
+    ('name', 'cause_id', 'words'),
+    [
+        ('rospy', 'ros_1', 'In ROS 2, write import rclpy'),
+        ('station_interfaces', 'message_not_built', 'build_messages()'),
+        ('rclpy.nodes', 'import', 'Did you mean rclpy.node?'),
+        ('std_msg', 'import', 'Did you mean std_msgs?'),
+        ('temp_monitor_pkg.msgs', 'import', 'Did you mean temp_monitor_pkg.msg?'),
+        ('pandas', 'import', 'Is the module installed?'),
+        ('tmie', 'import', 'Did you mean time?'),
+        ('nunpy', 'import', 'Did you mean numpy?'),
+        ('temp_monitor_pkg.tresholds', 'import', 'Check the spelling'),
+        ('weather_msgs.msg', 'message_not_built', 'build_messages()'),
+        ('geometry_msg', 'import', 'Did you mean geometry_msgs?'),
+        ('geometry_msgs', 'message_not_built', 'environment/messages.txt'),
+        ('toy_srvs', 'message_not_built', 'environment/messages.txt'),
+        ('temp_monitor_pkg', 'message_not_built', 'build_messages()'),
+    ],
+)
+def test_a_missing_module_is_reported_with_the_import_to_write(name, cause_id, words):
+    found = at('import x', f"ModuleNotFoundError: No module named '{name}'")
+
+    assert (found.cause_id, found.line) == (cause_id, 1)
+    assert words in found.try_this
 
 
 def test_a_name_behind_the_wrong_module_is_reported_with_its_own():
-    """The module rclpy does contain nodes, but not under that name."""
     found = at('rclpy.Node', "AttributeError: module 'rclpy' has no attribute 'Node'")
 
     assert found.cause_id == 'import'
@@ -178,29 +141,24 @@ def test_tools_of_the_notebook_are_those_of_roslab():
 
 
 NO_NAME = "TypeError: Node.__init__() missing 1 required positional argument: 'node_name'"
+NO_INIT = "AttributeError: 'super' object has no attribute '_init_'"
 
 
 @pytest.mark.parametrize(
-    ('above', 'error', 'cause_id'),
+    ('name', 'method', 'error', 'cause_id'),
     [
-        ('class T(Node):\n    def _init_(self):\n        pass\n', NO_NAME, 'init_name'),
-        ('class T(Node):\n    def __int__(self):\n        pass\n', NO_NAME, 'init_name'),
-        ('class T(Node):\n    def __init__(self):\n        pass\n', NO_NAME, 'no_super_init'),
-        ('class T(Node):\n    def speak(self):\n        pass\n', NO_NAME, 'no_super_init'),
-        (
-            'class T:\n    def _init_(self, a):\n        pass\n',
-            'T() takes no arguments',
-            'init_name',
-        ),
-        ('class T(Node):\n    pass\n', "'super' object has no attribute '_init_'", 'init_name'),
+        ('T(Node)', '_init_(self)', NO_NAME, 'init_name'),
+        ('T(Node)', '__int__(self)', NO_NAME, 'init_name'),
+        ('T(Node)', '__init__(self)', NO_NAME, 'no_super_init'),
+        ('T(Node)', 'speak(self)', NO_NAME, 'no_super_init'),
+        ('T', '_init_(self, a)', 'TypeError: T() takes no arguments', 'init_name'),
+        ('T(Node)', 'speak(self)', NO_INIT, 'init_name'),
     ],
 )
-def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
-    """A learner who has passed the name to the parent class is not told to pass it."""
-    kind = '' if error == NO_NAME else 'TypeError: ' if 'takes' in error else 'AttributeError: '
-    found = at('T(1)', kind + error, above)
+def test_other_underscores_than_those_of_init_are_named(name, method, error, cause_id):
+    above = f'class {name}:\n    def {method}:\n        pass\n'
 
-    assert found.cause_id == cause_id
+    assert at('T(1)', error, above).cause_id == cause_id
 
 
 @pytest.mark.parametrize(
@@ -220,7 +178,6 @@ def test_lines_of_notebooks_are_distinguished_from_slips(line, cause_id):
 
 
 def test_module_of_the_notebook_is_not_said_to_be_misspelled():
-    """A node cannot import this module, however it is spelled."""
     found = at('from roslab import start', "ModuleNotFoundError: No module named 'roslab'")
 
     assert 'works only in the notebook' in found.text
@@ -229,7 +186,6 @@ def test_module_of_the_notebook_is_not_said_to_be_misspelled():
 
 @pytest.mark.parametrize(('owner', 'cause_id'), [('Talker', 'spins_no_node'), ('NoneType', 'no_')])
 def test_node_that_is_to_spin_itself_is_told_the_function(owner, cause_id):
-    """Calling ``spin()`` on None is a different mistake."""
     found = at('node.spin()', f"AttributeError: '{owner}' object has no attribute 'spin'")
 
     assert found.cause_id.startswith(cause_id)

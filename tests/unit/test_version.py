@@ -43,7 +43,6 @@ def repository(tmp_path):
 
 @GIT
 def test_a_commit_is_named_and_whether_files_were_changed_since(repository, monkeypatch):
-    """Even the environment of a different repository's git hook does not change the result."""
     monkeypatch.setenv('GIT_DIR', '/nowhere')
     clean = commit(repository)
     (repository / 'file').write_text('2', encoding='utf-8')
@@ -55,7 +54,6 @@ def test_a_commit_is_named_and_whether_files_were_changed_since(repository, monk
 
 @GIT
 def test_a_copy_inside_another_repository_has_no_commit(repository):
-    """The commit of the enclosing repository would be wrong."""
     (repository / 'copy').mkdir()
 
     assert commit(repository / 'copy') == ''
@@ -63,14 +61,12 @@ def test_a_copy_inside_another_repository_has_no_commit(repository):
 
 @GIT
 def test_a_repository_without_commits_or_damaged_has_none(tmp_path):
-    """A missing commit must not prevent grading."""
     (tmp_path / '.git').write_text('gitdir: /nowhere', encoding='utf-8')
 
     assert commit(tmp_path) == ''
 
 
 def test_without_git_it_is_left_out(tmp_path, monkeypatch):
-    """A container may have no git."""
     (tmp_path / '.git').mkdir()
     monkeypatch.setenv('PATH', str(tmp_path))
 
@@ -78,7 +74,6 @@ def test_without_git_it_is_left_out(tmp_path, monkeypatch):
 
 
 def test_what_is_known_is_named():
-    """In this environment, at least Python and rclpy are known."""
     found = made_with()
 
     assert found['python'] == platform.python_version()
@@ -108,7 +103,6 @@ USES, DOES_NOT = 'from toy_msgs.msg import Toy', 'from std_msgs.msg import Strin
 
 
 def test_added_message_package_counts_only_where_it_is_named(tmp_path):
-    """The program or the scenario may name the package; all other recordings remain valid."""
     without, added = an_environment(tmp_path / 'a'), an_environment(tmp_path / 'b', toys='1.0')
 
     assert environment_digest(without, [DOES_NOT]) == environment_digest(added, [DOES_NOT])
@@ -119,7 +113,6 @@ def test_added_message_package_counts_only_where_it_is_named(tmp_path):
 
 
 def test_message_package_counts_with_those_that_it_uses(tmp_path):
-    """A message may contain messages of a different package."""
     old, new = (an_environment(tmp_path / one, toys=one) for one in ('1.0', '1.1'))
 
     assert environment_digest(old, [USES]) != environment_digest(new, [USES])
@@ -127,14 +120,12 @@ def test_message_package_counts_with_those_that_it_uses(tmp_path):
 
 
 def test_package_of_the_lock_counts_for_every_run(tmp_path):
-    """A program may use the package without naming it."""
     old, new = (an_environment(tmp_path / one, lock=one) for one in ('1.0', '1.1'))
 
     assert environment_digest(old, ['']) != environment_digest(new, [''])
 
 
 def test_worker_without_a_message_package_differs(tmp_path):
-    """Such a worker cannot run programs that use the package; the error names the file to edit."""
     without, added = an_environment(tmp_path / 'a'), an_environment(tmp_path / 'b', toys='1.0')
 
     assert difference(version(added), version(without)) == (

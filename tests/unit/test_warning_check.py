@@ -3,14 +3,13 @@
 from dataclasses import replace
 import json
 
+from handmade_runs import at, message, run_of
 import pytest
 
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
-from autograder.exam.exam import Run
 from autograder.exam.specification import Slip
 from autograder.judging.judge import judge
-from autograder.recording import Recording
 from autograder.results import Verdict
 from autograder.simulated import Simulation
 from exams.visible import warning_check
@@ -18,21 +17,23 @@ from exams.visible.warning_check import celsius, made_run
 
 EXAM = warning_check.exam
 RUNS = EXAM.asks['answers'].inputs
-ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stderr': ''})
-SENTENCES = [check.name for check in EXAM.checks]
 
 
-def results(answers, exam=EXAM, stderr=''):
+def results(answers, exam=EXAM):
     """Return the exam's results for these answers, by check."""
     events = []
     for place, answer in enumerate(answers):
-        events.append({'event': 'input', 'index': place, 'data': {}, 'clock_ns': place})
+        events.append(at(place, 'input', index=place, data={}))
         facts = {'topic': warning_check.ANSWERS, 'listener': None, 'after_input': place}
         texts = answer if isinstance(answer, tuple) else (str(answer),)
-        events += [{'event': 'message', 'data': {'data': one}, **facts} for one in texts]
-    end, process = ENDS
-    run = Run({}, Recording({}, (*events, end, {**process, 'stderr': stderr})), exam.facts)
-    return {one.check: one for one in judge(exam, run)}
+        events += [message(place, data={'data': one}, **facts) for one in texts]
+    return {one.check: one for one in judge(exam, run_of(*events, facts=exam.facts))}
+
+
+def accepting(cause_id, exam=EXAM):
+    """Return the right answers, except for True if a node has this slip."""
+    slips = [one.slip for one in exam.asks['answers'].inputs]
+    return [slip is None or slip.cause_id == cause_id for slip in slips]
 
 
 def of_rule(rule, exam=EXAM):
@@ -41,7 +42,6 @@ def of_rule(rule, exam=EXAM):
 
 
 def test_right_answers_get_all_points():
-    """The correct answer is True for the runs without a slip."""
     found = of_rule(lambda runs: [one.slip is None for one in runs])
 
     assert {one.verdict for one in found.values()} == {Verdict.PASSED}
@@ -50,7 +50,6 @@ def test_right_answers_get_all_points():
 
 @pytest.mark.parametrize('answer', [True, False, 'NoneType', 'exception', ()])
 def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
-    """A check that gives the same answer for every run has judged no run."""
     found = results([answer] * len(RUNS))
 
     points = {name: one.points for name, one in found.items() if one.points}
@@ -59,7 +58,6 @@ def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
 
 @pytest.mark.parametrize('slip', warning_check.SLIPS, ids=lambda slip: slip.cause_id)
 def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
-    """The graded runs distinguish all slips, so each is named."""
     exam = catalog.load('warning_check')
     found = of_rule(slip.rules[0], exam)
 
@@ -77,8 +75,7 @@ def test_check_with_a_mistake_of_a_node_is_located_like_the_node():
 
 
 def test_missed_run_is_explained_by_what_its_node_does():
-    """The learner reads the run's number and the description of the node's slip."""
-    missed = [one.slip is None or one.slip.cause_id == 'nan' for one in RUNS]
+    missed = accepting('nan')
     # Add another mistake, so that no slip of a check explains both.
     missed[5] = False
     found = results(missed)['refuses_other_warnings']
@@ -99,24 +96,15 @@ def test_no_mistake_of_a_node_reads_as_the_learners():
     assert not [text for text in texts if 'your' in text.lower()]
 
 
-def test_warning_that_comes_a_reading_late_is_explained():
-    """The cause is the check, which accepts a node that warns one reading late."""
-    missed = [one.slip is None or one.slip.cause_id == 'one_late' for one in RUNS]
-    missed[5] = False
-    found = results(missed)
-
-    assert 'accepts_one_late' in {one.cause_id for one in found.values()}
-
-
-def test_warning_some_time_after_its_reading_is_explained():
-    """A check that misjudges this run and a correct one does not compare times."""
-    exam = catalog.load('warning_check')
-    runs = exam.asks['answers'].inputs
-    answers = [one.slip is None or one.slip.cause_id == 'warns_later' for one in runs]
+@pytest.mark.parametrize(
+    ('exam', 'slip'), [(EXAM, 'one_late'), (catalog.load('warning_check'), 'warns_later')]
+)
+def test_late_warning_is_explained(exam, slip):
+    answers = accepting(slip, exam)
     answers[answers.index(True)] = False
     found = results(answers, exam)
 
-    assert 'accepts_warns_later' in {one.cause_id for one in found.values()}
+    assert f'accepts_{slip}' in {one.cause_id for one in found.values()}
 
 
 def test_graded_exam_names_no_place_and_no_value():
@@ -129,7 +117,6 @@ def test_graded_exam_names_no_place_and_no_value():
 
 
 def test_two_answers_for_a_run_are_none():
-    """A program may publish any number of messages on the topic."""
     found = results([('True', 'False')] * len(RUNS))['returns_true_or_false']
 
     assert found.observed == 'True, False for run 1, with readings in Celsius'
@@ -137,7 +124,6 @@ def test_two_answers_for_a_run_are_none():
 
 
 def test_what_is_sent_does_not_tell_right_runs_from_wrong_ones():
-    """No field names the node or its slip, and the texts do not depend on the slip."""
     exam = catalog.load('warning_check')
     sent = [json.loads(one['data']) for one in exam.scenario.steps[0].messages]
     about = {(one['program'], one['reason'], one['mode'], one['printed']) for one in sent}
@@ -150,19 +136,14 @@ def test_what_is_sent_does_not_tell_right_runs_from_wrong_ones():
 
 def test_graded_exam_asks_about_slips_that_learners_do_not_see():
     visible, hidden = (
-        {
-            one.slip.cause_id
-            for one in catalog.load('warning_check', hide).asks['answers'].inputs
-            if one.slip
-        }
-        for hide in (False, True)
+        {one.slip.cause_id for one in exam.asks['answers'].inputs if one.slip}
+        for exam in (EXAM, catalog.load('warning_check'))
     )
 
     assert visible < hidden
 
 
 def test_run_survives_the_way_to_the_sandbox():
-    """The result of simulate() is the same object after a round trip through JSON."""
     run = RUNS[7].simulation
 
     assert Simulation.from_json(json.loads(json.dumps(run.to_json()))).logs == run.logs
@@ -171,14 +152,12 @@ def test_run_survives_the_way_to_the_sandbox():
 
 
 def test_run_that_does_not_show_its_slip_is_refused():
-    """No check could detect a slip that the run does not show."""
     assert made_run('the limit', celsius(30.0), 'warns_at_threshold').answers == [1]
     with pytest.raises(ExamInvalid, match='do not reveal a slip warns_at_threshold'):
         made_run('cool readings', celsius(20.0), 'warns_at_threshold')
 
 
 def test_slip_that_no_check_refuses_is_an_error_of_the_exam():
-    """A new slip does not silently count as a wrong warning."""
     slip = Slip('new_slip', 'It warns of NaN.', 'Do not.', lambda readings: [1])
     run = replace(made_run('a reading that is NaN', (warning_check.NAN,)), slip=slip)
 

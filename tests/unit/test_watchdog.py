@@ -47,31 +47,30 @@ def world(monkeypatch):
     return world
 
 
-@pytest.mark.parametrize('state', [b'S', b'T'])
-def test_a_run_in_which_all_threads_sleep_has_0_3_s(world, state):
-    """Nothing can happen on the virtual clock any more; a program can also stop itself."""
-    assert world.look(FOR_STILL - 1, state) == ''
-    assert world.look(1, state) == 'waits_outside'
+@pytest.mark.parametrize(
+    ('program', 'probe', 'disk', 'looks'),
+    [
+        # Nothing can happen on the virtual clock any more; a program can also stop itself.
+        (b'S', b'S', False, FOR_STILL),
+        (b'T', b'S', False, FOR_STILL),
+        # The program waits for a child after vfork, or for a disk, which the kernel counts.
+        (b'D', b'S', False, FOR_IDLE),
+        (b'D', b'S', True, FOR_20_S - 1),
+        # A person who pauses or debugs the probe must not cost points at once.
+        (b'S', b'T', False, FOR_IDLE),
+        (b'S', b't', False, FOR_IDLE),
+    ],
+)
+def test_time_without_computing_depends_on_what_all_threads_wait_for(
+    world, program, probe, disk, looks
+):
+    world.disk, world.state[PROBE] = disk, probe
 
-
-@pytest.mark.parametrize(('disk', 'looks'), [(False, FOR_IDLE), (True, FOR_20_S)])
-def test_a_thread_that_cannot_be_interrupted_has_longer(world, disk, looks):
-    """It waits for a child after vfork, or for a disk, which the kernel counts."""
-    world.disk = disk
-    assert world.look(looks - 2, b'D') == ''
-    assert world.look(2, b'D') == 'waits_outside'
-
-
-@pytest.mark.parametrize('state', [b'T', b't'])
-def test_a_probe_that_is_stopped_from_outside_has_longer(world, state):
-    """A person who pauses or debugs the probe must not cost points at once."""
-    world.state[PROBE] = state
-    assert world.look(FOR_IDLE - 1) == ''
-    assert world.look(1) == 'waits_outside'
+    assert world.look(looks - 1, program) == ''
+    assert world.look(1, program) == 'waits_outside'
 
 
 def test_short_waits_outside_the_clock_add_up(world):
-    """A program that computes a little between any two checks has the longer budget."""
     looks = 0
     while world.look(1) == '':
         world.used_s += 0.0001
@@ -81,7 +80,6 @@ def test_short_waits_outside_the_clock_add_up(world):
 
 
 def test_computing_renews_no_budget(world):
-    """Sleeps with some work between them add up to one long sleep."""
     for _ in range(FOR_STILL // 2 - 1):
         assert world.look(2) == ''
         assert world.look(1, b'R') == ''
@@ -118,7 +116,6 @@ def test_each_child_that_nobody_reaps_counts_for_the_gap_in_which_it_is_seen(wor
 
 
 def test_a_delay_of_the_grader_is_not_charged_to_the_program(world):
-    """Neither as a wait, nor to the children that are found after it."""
     assert world.look(FOR_STILL - 1, every_s=3.0) == ''
     world.children = {PROBE + number: Running(0.02, 0.025, states=b'R') for number in (1, 2)}
     world.look(1, every_s=100.0)
@@ -134,7 +131,6 @@ def test_processor_time_of_a_process_that_waits_is_not_an_estimate(world):
 
 
 def test_a_build_has_its_own_budget(world):
-    """A build uses its own budget, and the program has a separate one afterwards."""
     world.dog.builds = True
     assert world.look(FOR_20_S - 2, begun=False) == ''
     assert world.look(FOR_STILL - 2) == ''

@@ -50,7 +50,6 @@ def test_table_has_the_causes_of_its_module_and_no_other(table):
 
 
 def test_failed_check_has_all_its_sentences():
-    """Without them, the learner would read nothing in their place."""
     for table in TABLES:
         rows = importlib.import_module(_name_of(table)).WHY._rows
         for module in (table.with_suffix('.py'), *USERS.get(table.stem, ())):
@@ -77,7 +76,6 @@ def _name_of(table):
 
 
 def test_row_gives_all_fields_of_a_cause(tmp_path):
-    """The exam's constants and the given values are inserted; double braces become braces."""
     (tmp_path / 'exam.txt').write_text(
         'late\nIt is\n  {how} late.\nRun {TOPIC}.\n'
         'act: reset()\nabout: a {TOPIC}\ncloser: late_too\n'
@@ -90,11 +88,8 @@ def test_row_gives_all_fields_of_a_cause(tmp_path):
     found = causes.of('late', how='very', line=3)
     slip = causes.slip('late_too', list)
 
-    assert (found.cause_id, found.text, found.try_this) == (
-        'late',
-        'It is very late.',
-        'Run /map.',
-    )
+    sentences = (found.text, found.try_this)
+    assert (found.cause_id, *sentences) == ('late', 'It is very late.', 'Run /map.')
     assert (found.act, found.about, found.line) == ('reset()', ['a', '/map'], 3)
     assert [one.text for one in found.closer] == [slip.text] == ['It is {late}.']
     assert (slip.cause_id, slip.rules) == ('late', (list,))
@@ -107,7 +102,6 @@ def test_row_gives_all_fields_of_a_cause(tmp_path):
 
 
 def test_row_that_is_missing_or_incomplete_is_an_error_of_the_exam(tmp_path):
-    """The error names the text file."""
     table, module = tmp_path / 'exam.txt', str(tmp_path / 'exam.py')
     table.write_text('late\nIt is late.\nRun.\n', encoding='utf-8')
     with pytest.raises(ExamInvalid, match=r"exam\.txt: there is no cause 'early'.*Known: late"):

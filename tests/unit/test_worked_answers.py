@@ -46,7 +46,6 @@ def check(monkeypatch, points, **facts):
 
 class TestOpening:
     def test_third_try_opens_it(self, copy, monkeypatch, capsys):
-        """The line below a check counts the tries down, and then offers the answer."""
         said = [str(check(monkeypatch, 0)).splitlines()[-1] for _ in range(TRIES)]
         answer('talker')
 
@@ -56,14 +55,12 @@ class TestOpening:
         assert capsys.readouterr().out.endswith(f'{WORDS}\n')
 
     def test_full_points_open_it_at_once(self, copy, monkeypatch):
-        """In JupyterLab, a click on the line shows the text of the answer unchanged."""
         page = check(monkeypatch, MOST)._repr_html_()
 
         assert '<details><summary>Show me a worked answer</summary>' in page
         assert '&lt;one&gt; of many' in page
 
     def test_closed_answer_is_nowhere(self, copy, monkeypatch):
-        """The answer is neither below the check nor in the error of answer()."""
         report = check(monkeypatch, 0)
         with pytest.raises(RoslabError, match='2 more tries') as refused:
             answer('talker')
@@ -72,21 +69,18 @@ class TestOpening:
         assert 'details' not in report._repr_html_()
 
     def test_check_of_a_stub_is_no_try(self, copy, monkeypatch):
-        """A learner has to write an answer before a check counts as a try."""
         for _ in range(TRIES):
             report = check(monkeypatch, 0, unfinished=('talker.py',))
 
         assert f'{TRIES} more tries' in str(report)
 
     def test_forgetting_progress_closes_it_again(self, copy, monkeypatch):
-        """Tries are stored in the same file as the progress."""
         check(monkeypatch, MOST)
         progress(forget=True)
 
         assert 'gives full points' in offer('talker')[0]
 
     def test_results_from_before_tries_were_counted_are_kept(self, copy):
-        """An older file has no table of tries."""
         file = copy / '_work' / 'progress.json'
         file.parent.mkdir()
         file.write_text(json.dumps({'checks': {'talker': 1}, 'quizzes': {}}))
@@ -97,7 +91,6 @@ class TestOpening:
 
 class TestCopies:
     def test_copy_without_answers_does_not_mention_them(self, copy, monkeypatch):
-        """A copy without answers is the default."""
         (copy / FOLDER / '03_topics.txt').unlink()
         report = check(monkeypatch, MOST)
 
@@ -106,7 +99,6 @@ class TestCopies:
             answer('talker')
 
     def test_damaged_file_is_named_by_answer_and_does_not_stop_a_check(self, copy, monkeypatch):
-        """A damaged file must not prevent the check."""
         (copy / FOLDER / '03_topics.txt').write_bytes(b'# x\nnonsense')
 
         assert check(monkeypatch, MOST)
@@ -127,7 +119,6 @@ class TestCopies:
         assert 'Node' not in text
 
     def test_every_graded_exercise_has_one(self, tmp_path):
-        """The worked answer is the whole solution, without solution markers."""
         found = {}
         for data in answer_files(COURSE).values():
             (tmp_path / 'one').write_bytes(data)

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 import difflib
 import re
+from typing import Any
 
 from autograder.exam.exam import Cause, Run
 from autograder.exam.specification import Specification
@@ -102,7 +103,11 @@ def why_no_node(run: Run, wanted: str) -> Cause:
 
 
 def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
-    """Explain why the probe saw no endpoint with the right topic and type."""
+    """
+    Explain why the probe saw no endpoint with the right topic and type.
+
+    :param kind: ``'publisher'``, ``'subscription'`` or ``'service'``
+    """
     recording = run.recording
     base, wanted = topic.rpartition('/')[2], type_name.rpartition('/')[2]
     for end in recording.endpoints(kind, topic):
@@ -111,11 +116,11 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
     if why := _why_longer_name(run, kind, topic, type_name):
         return why
     # An endpoint on another topic of the exam is not this endpoint with a misspelt name.
-    right = run.names.published if kind == 'publisher' else run.names.heard
+    right = run.names.of_kind(kind)
     ends = [end for end in recording.endpoints(kind) if end['topic'] not in right]
     near = close_name(topic, (end['topic'] for end in ends))
-    other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
-    if not near and recording.endpoints(other, topic):
+    other = {'publisher': 'subscription', 'subscription': 'publisher'}.get(kind, '')
+    if other and not near and recording.endpoints(other, topic):
         return cause_of('wrong_direction', kind=kind, topic=topic, other=other)
     same_type = (end['topic'] for end in ends if end['type'] == type_name)
     near = near or next(same_type, '')
@@ -127,7 +132,9 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         spaces = [name.rpartition('/')[0] + '/' for name in recording.nodes]
         space = max((one for one in spaces if topic.startswith(one)), default='/')
         written = topic.removeprefix(space)
-        return cause_of('topic_name', kind=kind, near=near, topic=topic, wanted=written)
+        noun = 'name' if kind == 'service' else 'topic'
+        words: dict[str, Any] = {'near': near, 'topic': topic, 'wanted': written}
+        return cause_of('topic_name', kind=kind, noun=noun, **words)
     if ended := why_it_ended(run):
         return ended
     if not recording.nodes:
