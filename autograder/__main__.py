@@ -44,7 +44,6 @@ COMMANDS = {
     ),
     'forget': ('forget:run', 'list all data about a student; --yes removes it'),
     'explain': ('explain:run', 'show the evidence behind a verdict'),
-    'report': ('stats:report', 'rewrite the statistics page of a class'),
     'stats': ('stats:run', 'print statistics of the last grading: marks, checks, causes'),
     'similar': ('similar:run', 'list similar submissions for you to compare'),
     'export': ('export:run', 'export the results of the last grading'),

@@ -171,6 +171,8 @@ class SubmissionResult:
 
     :param fault: a fault of the grader as text; if not empty, the submission is for review
     :param noticed: observations about the notebook that an instructor should look at, as text
+    :param collected: digest of the student's collected work when it was graded; empty if there was
+        none, None if it is not known
     """
 
     student: str
@@ -179,6 +181,7 @@ class SubmissionResult:
     problems: tuple[Problem, ...] = ()
     fault: str = ''
     noticed: tuple[str, ...] = ()
+    collected: str | None = None
 
     @property
     def points(self) -> float:

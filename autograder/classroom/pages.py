@@ -17,14 +17,14 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from autograder.classroom.collected import Work
-from autograder.classroom.people import names_for_email, read_people
+from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import (
     ClassResults,
     has_mark,
     missing_protections,
     modes,
 )
+from autograder.classroom.standing import names_for_email, Standing, TO_GRADE
 from autograder.classroom.statistics import BINS, CheckNumbers, class_numbers, Marks
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
@@ -40,7 +40,11 @@ BASE, TOP, GAP = 160, 28, 8
 
 
 def write_all_reports(
-    layout: Layout, assignment: str, results: Sequence[SubmissionResult], summary: str = ''
+    layout: Layout,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    summary: str = '',
+    by_hand: int = 0,
 ) -> Path:
     """
     Replace the results of a class and all its pages.
@@ -48,6 +52,7 @@ def write_all_reports(
     The results are written first, atomically: all other commands read them, and the pages can be
     generated again.
 
+    :param by_hand: number of submissions that wait for manual grading
     :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged; then
         nothing is written
     """
@@ -64,10 +69,12 @@ def write_all_reports(
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
             path.unlink()
-    return write_class_report(layout, ClassResults(assignment, tuple(results)), summary)
+    return write_class_report(layout, ClassResults(assignment, tuple(results)), summary, by_hand)
 
 
-def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
+def write_class_report(
+    layout: Layout, graded: ClassResults, summary: str = '', by_hand: int = 0
+) -> Path:
     """Write the page of a class and return its path; GraderError if the class list is wrong."""
     numbers = class_numbers(layout, graded)
     by_exam: dict[str, list[CheckNumbers]] = {}
@@ -86,6 +93,7 @@ def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') 
             results=sorted(results, key=lambda one: (not one.review, one.points, one.student)),
             flagged=[*unusable, *((one.student, one.flags) for one in results if one.flags)],
             summary=summary,
+            by_hand=by_hand,
             people=read_people(layout),
             names=names_for_email(numbers.missing),
         )
@@ -161,7 +169,7 @@ def print_table(
     assignment: str,
     results: Sequence[SubmissionResult],
     people: Mapping[str, str],
-    missing: Sequence[Work],
+    missing: Sequence[Standing],
 ) -> None:
     """
     Print students, points and first causes as a table, then the flags for the instructor.
@@ -180,7 +188,9 @@ def print_table(
         points = f'{number(result.points)} of {number(result.max_points)}'
         given = Text('for review', style='bold red') if result.review else Text(points)
         rows.append((result.student, given, headline(result)))
-    rows += [(one.student, Text('nothing'), one.reason) for one in missing]
+    for one in missing:
+        given = Text('not graded' if one.status in TO_GRADE else 'nothing')
+        rows.append((one.student, given, one.reason))
     people = {**people, **{one.student: one.person for one in missing if one.person}}
     for student, given, why in rows:
         # Use Text objects: rich must not interpret square brackets from students as markup.

@@ -1,30 +1,24 @@
 """
-Read the class list, the extensions, the names of students, and who has handed in nothing.
+Read the class list, the extensions and the names of students.
 
 The first two are CSV files that the instructor writes in the work folder; each is optional.
-``class_list.csv`` has the columns ``student`` and, optionally, ``name``.  ``extensions.csv`` has
-``student``, ``assignment`` and ``hours``; an empty assignment means all assignments.  Other
-columns are ignored, so a download from a learning platform needs only a renamed column.
-``collect`` saves the names that it finds, and the work that it could not collect.
+``class_list.csv`` has the columns ``student`` and, optionally, ``name``, or is a gradebook from
+Canvas or a list of participants from Moodle.  ``extensions.csv`` has ``student``, ``assignment``
+and ``hours``; an empty assignment means all assignments.  Other columns are ignored.  ``collect``
+saves the names that it finds.
 """
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from datetime import timedelta
+from difflib import get_close_matches
 import math
 from pathlib import Path
 import unicodedata
 
-from autograder.classroom.collected import (
-    collected_names,
-    NOTHING,
-    printable_name,
-    read_collected,
-    read_not_collected,
-    Work,
-)
+from autograder.classroom.collected import collected_names, printable_name, read_collected
 from autograder.classroom.tables import parse_table, read_bytes
 from autograder.errors import GraderError
+from autograder.explaining.feedback import printable
 from autograder.layout import Layout
 from autograder.submission.inbox import named_id, student_id
 
@@ -39,7 +33,7 @@ def class_list(layout: Layout) -> dict[str, str]:
     :raises GraderError: if the file cannot be read, or lacks an id or repeats one
     """
     found: dict[str, str] = {}
-    for where, row in _rows(layout.class_list, ('student',)):
+    for where, row in _rows(layout.class_list, ('student',), _listed):
         student = _student(where, row)
         if student in found:
             raise GraderError(
@@ -47,6 +41,18 @@ def class_list(layout: Layout) -> dict[str, str]:
             )
         found[student] = row.get('name', '').strip()
     return found
+
+
+def _listed(row: Mapping[str, str]) -> Mapping[str, str]:
+    """Return a row with the columns of a class list, empty if it is no student's."""
+    if 'name' not in row and {'student', 'id', 'section'} <= row.keys():  # Canvas's gradebook
+        last, _, first = row['student'].strip().partition(', ')
+        absent = not row['id'].strip() or (last, first) == ('Student', 'Test')
+        return {} if absent else {'student': row['id'], 'name': f'{first} {last}'.strip()}
+    if 'student' not in row and {'first name', 'last name'} <= row.keys():  # Moodle's participants
+        name = f'{row["first name"].strip()} {row["last name"].strip()}'.strip()
+        return {'student': name, 'name': name}
+    return row
 
 
 def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
@@ -58,23 +64,56 @@ def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
     """
     if not layout.extensions.exists():
         return None
+    listed = class_list(layout)
+    folders = [one.name for one in layout.submitted.glob('*')]
+    known = dict.fromkeys((*listed, *folders, *map(student_id, folders)), '') | read_people(layout)
     every: dict[tuple[str, str], timedelta] = {}
     found: dict[tuple[str, str], timedelta] = {}
     for where, row in _rows(layout.extensions, ('student', 'assignment', 'hours')):
-        student, name, hours = _student(where, row), row['assignment'].strip(), _hours(where, row)
-        if name:
-            try:
-                key = student, layout.assignment_named(name)
-            except GraderError as error:
-                raise GraderError(f'{where}: {error.what}', error.fix) from error
-            found[key] = hours
-        else:
-            every |= {(student, one): hours for one in layout.assignments()}
+        name, hours = row['assignment'].strip(), _hours(where, row)
+        _student(where, row)  # Refuse an empty id.
+        try:
+            student = _extended(layout, row['student'].strip(), known, bool(listed))
+            if name:
+                found[student, layout.assignment_named(name)] = hours
+            else:
+                every |= {(student, one): hours for one in layout.assignments()}
+        except GraderError as error:
+            raise GraderError(f'{where}: {error.what}', error.fix) from error
     return {**every, **found}
 
 
-def _rows(path: Path, needed: Sequence[str]) -> Sequence[tuple[str, Mapping[str, str]]]:
-    """Return the place of each row in a file, and its cells by column name."""
+def _extended(layout: Layout, name: str, people: Mapping[str, str], listed: bool) -> str:
+    """
+    Return the student id for an id or a display name in the extensions.
+
+    :param people: names of all known students by id, maybe empty
+    :param listed: whether there is a class list; without one, a student may be unknown until their
+        work is collected, so only a difference in accents or case is an error
+    :raises GraderError: if the course does not have the student
+    """
+    if named_id(name) in people:
+        return named_id(name)
+    if student := student_named(layout, name, people.keys()):
+        return student
+    known = [*people, *people.values()]
+    plain = {_folded(one, accents=False) for one in known}
+    if listed or _folded(name, accents=False) in plain:
+        fix = close_names(name, known) or 'Try: use the id in the class list, or delete the row'
+        raise GraderError(f'there is no student {printable(name)}.', fix)
+    return named_id(name)
+
+
+def _rows(
+    path: Path,
+    needed: Sequence[str],
+    read: Callable[[Mapping[str, str]], Mapping[str, str]] = dict,
+) -> Sequence[tuple[str, Mapping[str, str]]]:
+    """
+    Return the place of each row in a file, and its cells by column name.
+
+    :param read: returns a row with the needed columns, empty to skip it
+    """
     if not path.exists():
         return ()
     fix = f'Try: write a CSV file with the columns {", ".join(needed)}'
@@ -83,12 +122,12 @@ def _rows(path: Path, needed: Sequence[str]) -> Sequence[tuple[str, Mapping[str,
     except ValueError as error:
         raise GraderError(f'{path}: {error}.', fix) from error
     header = [name.strip().lower() for name in table.header]
-    if missing := [name for name in needed if name not in header]:
+    if missing := [name for name in needed if name not in read(dict(zip(header, header)))]:
         raise GraderError(f'{path}: there is no column {", ".join(missing)}.', fix)
     return [
-        (f'{path}, row {number}', dict(zip(header, row)))
+        (f'{path}, row {number}', cells)
         for number, row in enumerate(table.rows[1:], start=2)
-        if any(cell.strip() for cell in row)
+        if any(cell.strip() for cell in row) and (cells := read(dict(zip(header, row))))
     ]
 
 
@@ -132,6 +171,25 @@ def read_people(layout: Layout) -> dict[str, str]:
     return {**saved, **{one: name for one, name in listed.items() if name}}
 
 
+def find_student(layout: Layout, name: str, students: Collection[str]) -> str:
+    """Return the student with this id or display name; GraderError if it is not exactly one."""
+    if student := student_named(layout, name, students):
+        return student
+    people = read_people(layout)
+    known = [*students, *(people[one] for one in students if one in people)]
+    fix = close_names(name, known) or 'Try: the id, or the full name in quotes'
+    raise GraderError(f'{printable(name)}: there is no such student.', fix)
+
+
+def close_names(name: str, known: Iterable[str]) -> str:
+    """Return a question that suggests similar names; empty if there are none."""
+    plain = {_folded(one, accents=False): one for one in known}
+    word = _folded(name, accents=False)
+    found = [one for one in plain if word in one.split()] or get_close_matches(word, plain, n=3)
+    names = (f'"{plain[one]}"' if ' ' in plain[one] else plain[one] for one in found[:3])
+    return printable(f'Did you mean {", ".join(names)}?') if found else ''
+
+
 def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     """Return the student with this id or display name, or ''; GraderError if several have it."""
     if name in students:
@@ -146,37 +204,11 @@ def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     return found[0] if found else ''
 
 
-def _folded(name: str) -> str:
-    """Normalise the case and the spaces of a name for comparison."""
-    return ' '.join(unicodedata.normalize('NFKC', name).casefold().split())
-
-
-# -- missing students -----------------------------------------------------------------------
-
-
-def not_collected(layout: Layout, assignment: str, graded: Collection[str]) -> tuple[Work, ...]:
-    """
-    Return the students who are missing from the results of an assignment.
-
-    Their delivery could not be collected, or they are on the class list and handed in nothing.
-
-    :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged
-    """
-    names = class_list(layout)
-    found = [
-        replace(one, person=names.get(one.student) or one.person)
-        for one in read_not_collected(layout)
-        if one.assignment in ('', assignment) and one.student not in graded
-    ]
-    # The class list contains ids from collect, but the folder of a submission may be named with
-    # the original name: accept both.
-    known = {*graded, *map(student_id, graded), *(one.student for one in found)}
-    found += [
-        Work(student, assignment, name, why=NOTHING)
-        for student, name in names.items()
-        if student not in known
-    ]
-    return tuple(sorted(found, key=lambda one: one.student))
+def _folded(name: str, accents: bool = True) -> str:
+    """Normalise the case, the spaces and, on request, the accents of a name for comparison."""
+    text = unicodedata.normalize('NFKC' if accents else 'NFKD', name)
+    kept = ''.join(char for char in text if accents or not unicodedata.combining(char))
+    return ' '.join(kept.casefold().split())
 
 
 def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
@@ -184,8 +216,3 @@ def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
     known = class_list(layout)
     here = (one for one in students if known.keys().isdisjoint((one, student_id(one))))
     return tuple(here) if known else ()
-
-
-def names_for_email(missing: Sequence[Work]) -> str:
-    """Return the names or ids of students, separated by commas, for an e-mail to them."""
-    return ', '.join(dict.fromkeys(one.person or one.student for one in missing))

@@ -78,7 +78,7 @@ class Similar(NamedTuple):
 
 def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -> Similar:
     """
-    Compare all submissions of an assignment, which are named by their path below ``submitted``.
+    Compare all submissions of an assignment, which are named by their student.
 
     :param at_least: minimum score of a listed pair, 0 to 1
     :raises GraderError: if there is no submission, or the folder cannot be read
@@ -92,8 +92,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
         raise GraderError(f'{submitted}: there are no submissions for {assignment}.')
     answers = {}
     for one in there:
-        name = str(one.path.relative_to(submitted)) if one.path else one.student
-        answers[name] = _answers(open_one(one, lesson), lesson)
+        answers[one.student] = _answers(open_one(one, lesson), lesson)
     package = finished_package(layout, lesson)
     return compare(answers, given_lines(lesson.release), at_least, package)
 

@@ -15,8 +15,6 @@ from pathlib import Path
 import statistics
 from typing import Any
 
-from autograder.classroom.collected import Work
-from autograder.classroom.people import not_collected
 from autograder.classroom.results_of_class import (
     ClassResults,
     has_mark,
@@ -24,6 +22,7 @@ from autograder.classroom.results_of_class import (
     modes,
     ran_s,
 )
+from autograder.classroom.standing import Standing, without_result
 from autograder.explaining.feedback import number
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
@@ -98,7 +97,7 @@ class ClassNumbers:
     marks: Marks | None
     checks: tuple[CheckNumbers, ...]
     review: tuple[tuple[str, str], ...]
-    missing: tuple[Work, ...]
+    missing: tuple[Standing, ...]
     flagged: tuple[tuple[str, str], ...]
     slowest: tuple[tuple[str, float], ...]
     recorded: int
@@ -123,7 +122,7 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         marks=_marks([result for result in results if has_mark(result)]),
         checks=_checks([exam for one in results if not one.review for exam in one.exams]),
         review=tuple((one.student, one.review) for one in results if one.review),
-        missing=not_collected(layout, graded.assignment, {one.student for one in results}),
+        missing=without_result(layout, graded.assignment, results),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),
         slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
         recorded=sum(not any(x.timing.get('run_s') for x in one.exams) for one in results),

@@ -46,7 +46,7 @@ def parse_table(data: bytes) -> Table:
     try:
         text = data.decode('utf-8')
     except UnicodeDecodeError as error:
-        raise ValueError('the text is not UTF-8') from error
+        raise ValueError('the text is not UTF-8; save it as CSV UTF-8') from error
     bom, text = text.startswith(BOM), text.removeprefix(BOM)
     first = text.partition('\n')[0]
     delimiter = max(',;\t', key=first.count)

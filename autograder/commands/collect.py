@@ -10,7 +10,7 @@ import sys
 from autograder.authoring.sample_class import remove_sample_class
 from autograder.classroom.collected import read_not_collected
 from autograder.classroom.course_lock import lock_course
-from autograder.classroom.people import names_for_email
+from autograder.classroom.standing import names_for_email
 from autograder.collect.copy_notebooks import collect, print_rows
 from autograder.collect.deliveries import LEFT
 from autograder.commands import flag, FOR_REVIEW, OK, option, takes, TO_SUBMITTED

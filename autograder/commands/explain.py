@@ -9,12 +9,13 @@ the instructor, who decides what to show the student.
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from difflib import get_close_matches
 from hashlib import sha256
 from pathlib import Path
 
-from autograder.classroom.pages import with_name
-from autograder.classroom.people import read_people, student_named
+from autograder.classroom.people import find_student
 from autograder.classroom.results_of_class import graded
+from autograder.classroom.standing import ADVICE, REVIEW, Standing, standings
 from autograder.commands import OK, option, STUDENT, SUBMITTED, takes
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Check, Exam, Run
@@ -56,7 +57,7 @@ def run(chosen: argparse.Namespace) -> int:
     """Print the checks of a student, or the evidence behind one of them."""
     layout = Layout.here()
     if chosen.check is None:
-        text = verdicts_text(layout, results_of(layout, chosen.student, chosen.assignment))
+        text = verdicts_text(standings_of(layout, chosen.student, chosen.assignment))
     else:
         where = chosen.assignment, chosen.submitted
         text = evidence(layout, chosen.student, chosen.check, *where)
@@ -121,46 +122,60 @@ def evidence(
     return _narrow(lines, MOST_LINES)
 
 
-def results_of(
+def standings_of(
     layout: Layout, student: str, assignment: str | None = None
-) -> list[SubmissionResult]:
+) -> list[tuple[str, Standing]]:
     """
-    Return the last results of one student.
+    Return the state of one student's work in each graded assignment, with the assignment.
 
     :param student: id or display name
     :param assignment: the only assignment to include; None for all
-    :raises GraderError: if the student is not in the last results
+    :raises GraderError: if there is no such student
     """
-    results = [result for one in graded(layout, assignment) for result in one.results]
-    there = {result.student for result in results}
-    if name := student_named(layout, student, there):
-        return [result for result in results if result.student == name]
-    raise GraderError(
-        f'{student}: no student with this name or id has results.',
-        f'Students with results: {", ".join(sorted(there)[:20])}.',
-    )
+    found = [
+        (one.assignment, standing)
+        for one in graded(layout, assignment)
+        for standing in standings(layout, one.assignment, one.results)
+    ]
+    name = find_student(layout, student, {one.student for _, one in found})
+    return [(where, one) for where, one in found if one.student == name]
 
 
 def _find(
     layout: Layout, student: str, check: str, assignment: str | None
 ) -> tuple[SubmissionResult, ExamResult, CheckResult]:
+    of_student = standings_of(layout, student, assignment)
     every = [
-        (f'{exam.exam}/{verdict.check}', (result, exam, verdict))
-        for result in results_of(layout, student, assignment)
-        for exam in result.exams
+        (f'{exam.exam}/{verdict.check}', (one.result, exam, verdict))
+        for _, one in of_student
+        if one.result
+        for exam in one.result.exams
         for verdict in exam.checks
     ]
+    if not every:
+        raise GraderError(verdict_lines(*of_student[0])[0])
     found = [(name, one) for name, one in every if f'/{name}'.endswith(f'/{check}')]
     if len(found) == 1:
         return found[0][1]
-    names = ', '.join(name for name, _ in found or every)
     if found:
+        names = ', '.join(name for name, _ in found)
         raise GraderError(
             f'{check}: several checks have this name: {names}.', 'Try: name one of them'
         )
     raise GraderError(
-        f'{check}: {student} has no check with this name.', f'Try: name one of {names}'
+        f'{check}: {student} has no check with this name.',
+        _advice(check, [one for one, _ in every]),
     )
+
+
+def _advice(check: str, names: Sequence[str]) -> str:
+    """Return which checks an unknown name may mean: those of the exam, else similar ones."""
+    of_exam = [name for name in names if name.startswith(f'{check.rstrip("/")}/')]
+    parts = {part: name for name in names for part in (name, name.partition('/')[2])}
+    close = dict.fromkeys(parts[one] for one in get_close_matches(check, parts, cutoff=0.5))
+    if fitting := of_exam or [*close]:
+        return f'Try: name one of {", ".join(fitting)}'
+    return 'Try: explain STUDENT, which lists all checks of the student'
 
 
 def _compare_with_now(
@@ -242,20 +257,27 @@ def _digest(data: bytes) -> str:
     return sha256(data).hexdigest()[:12]
 
 
-def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
+def verdicts_text(found: Sequence[tuple[str, Standing]]) -> str:
     """Return the checks of one student, one per line, as plain text."""
-    lines = []
-    people = read_people(layout)
-    for result in results:
-        said = f'for review: {result.review}' if result.review else f'{points_of(result)} points'
-        lines.append(f'{with_name(result.student, people)}, {result.assignment}: {said}')
-        for exam in result.exams:
-            for check in exam.checks:
-                head = (
-                    f'  {check.verdict.value:7} {points_of(check):>9}  {exam.exam}/{check.check}'
-                )
-                lines.append(f'{head}  {check.cause}' if check.cause else head)
-    return _narrow([*lines, 'To see the evidence behind a verdict: explain STUDENT EXAM/CHECK'])
+    lines = [line for where, one in found for line in verdict_lines(where, one)]
+    if len(lines) > len(found):
+        lines.append('To see the evidence behind a verdict: explain STUDENT EXAM/CHECK')
+    return printable('\n'.join(lines))
+
+
+def verdict_lines(assignment: str, one: Standing) -> list[str]:
+    """Return the state of a student's work and, if it has points, a line for each check."""
+    result = one.result
+    points = f'{points_of(result)} points' if result and not result.review else ''
+    for_review = f'{one.status}: {one.reason}' if one.status == REVIEW else one.reason
+    advice = f'Try: {ADVICE[one.status]}' if one.status in ADVICE else ''
+    said = '. '.join(filter(None, (points, for_review.rstrip('.'), advice)))
+    lines = [f'{one.student}{f" ({one.person})" * bool(one.person)}, {assignment}: {said}']
+    for exam in result.exams if result and points else ():
+        for check in exam.checks:
+            head = f'  {check.verdict.value:7} {points_of(check):>9}  {exam.exam}/{check.check}'
+            lines.append(_narrow([f'{head}  {check.cause}' if check.cause else head]))
+    return lines
 
 
 def _narrow(lines: Sequence[str], most: int | None = None) -> str:

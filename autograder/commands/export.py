@@ -6,8 +6,10 @@ from pathlib import Path
 import sys
 
 from autograder.classroom.collected import collected_work
+from autograder.classroom.pages import page_name
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import graded
+from autograder.classroom.standing import by_status
 from autograder.classroom.tables import read_bytes
 from autograder.commands import (
     ASSIGNMENT,
@@ -37,19 +39,23 @@ Made = tuple[bytes, bool, str]
 """Content of the file (empty for no file), whether a score is missing, and text to print."""
 Make = Callable[[Layout, argparse.Namespace, Path], Made]
 COMMON = (
-    option('--to', 'file to write (default: in _work/exports/)', type=Path, metavar='PATH'),
-    flag('--force', 'replace an existing file'),
+    option(
+        '--to',
+        'file to write (default: a file in _work/exports/, which is replaced)',
+        type=Path,
+        metavar='PATH',
+    ),
+    flag('--force', 'replace an existing file that --to names'),
 )
 
 
-def _points(default: str) -> Option:
-    return option(
-        '--points',
-        "points of the checks alone, or nbgrader's marks with manual grades and late penalties "
-        '(default: %(default)s)',
-        choices=SOURCES,
-        default=default,
-    )
+POINTS = option(
+    '--points',
+    "points of the checks alone, or nbgrader's marks with manual grades and late penalties "
+    '(default: %(default)s)',
+    choices=SOURCES,
+    default=GRADEBOOK,
+)
 
 
 def _formats(parser: argparse.ArgumentParser) -> None:
@@ -68,10 +74,12 @@ def run(chosen: argparse.Namespace) -> int:
     if chosen.assignment:
         chosen.assignment = layout.assignment_named(chosen.assignment)
     name = f'{chosen.assignment or "all"}{ending}'
-    path = getattr(chosen, 'to', None) or layout.work / 'exports' / name
+    to = getattr(chosen, 'to', None)
+    path = to or layout.work / 'exports' / name
+    if ending:
+        refuse_existing([path], chosen.force or not to)
     data, left_out, said = make(layout, chosen, path)
     if data:
-        refuse_existing([path], chosen.force)
         write_atomically(path, data, 0o600 if make is _autograder else 0o644)
         print(path)
     if said:
@@ -95,8 +103,10 @@ def _marks(layout: Layout, chosen: argparse.Namespace) -> list[Mark]:
 def _without_mark(given: Sequence[Mark]) -> bool:
     """Print the students who have no mark, and return whether there are any."""
     missing = [mark for mark in given if mark.points is None]
-    for mark in missing:
-        _warn(f'no mark: {mark.assignment}: {mark.student}: {mark.status}')
+    for name in dict.fromkeys(mark.assignment for mark in missing):
+        of_it = [(mark.student, mark.status) for mark in missing if mark.assignment == name]
+        for line in by_status(of_it):
+            _warn(f'no mark: {name}: {line}')
     return bool(missing)
 
 
@@ -127,7 +137,7 @@ def _download(path: Path, download: Path, what: str, fix: str) -> bytes:
     option('--gradebook', 'file from Canvas', type=Path, required=True, metavar='FILE'),
     option('--column', 'column to fill: header, title or id', required=True, metavar='NAME'),
     flag('--scale', "scale points to Canvas's points possible"),
-    _points(GRADEBOOK),
+    POINTS,
 )
 def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     file = chosen.gradebook
@@ -149,7 +159,7 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
         metavar='NAME',
     ),
     flag('--scale', "scale points to Moodle's maximum grade"),
-    _points(GRADEBOOK),
+    POINTS,
 )
 def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     file = chosen.worksheet
@@ -171,7 +181,7 @@ def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
         metavar='FILE',
     ),
     flag('--dry-run', 'find the students on the platform, but send nothing'),
-    _points(GRADEBOOK),
+    POINTS,
 )
 def _lti(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     given, platform = _marks(layout, chosen), lti.read_platform(chosen.platform)
@@ -181,7 +191,7 @@ def _lti(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     return b'', bool(done.left_out), '\n'.join(filter(None, (done.text(), said)))
 
 
-@takes(ASSIGNMENT, _points(GRADEBOOK))
+@takes(ASSIGNMENT, POINTS)
 def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     from autograder.gradebook.converters import feedback  # nbgrader takes seconds to import
 
@@ -192,7 +202,15 @@ def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     if absent := sorted({*ready} - pages.keys()):
         said = f'{chosen.assignment}: no feedback page for {", ".join(absent)}.'
         raise GraderError(printable(said), 'Try: make grade, then run the same command again')
-    return feedback_zip(pages, works), _without_mark(given), f'Packed {len(pages)} pages.'
+    left_out = _without_mark(given)
+    for mark in given:  # nbgrader has no page that says why a file cannot be read.
+        page = layout.reports / chosen.assignment / page_name(mark.student)
+        if mark.result and mark.result.unusable and mark.points is None and page.is_file():
+            pages[mark.student] = page.read_bytes()
+    if not pages:
+        return b'', left_out, 'There is no page to pack, so nothing was written.'
+    said = f'Packed {len(pages)} page{"s" * (len(pages) != 1)}.'
+    return feedback_zip(pages, works), left_out, said
 
 
 @takes(
@@ -219,7 +237,7 @@ def _autograder(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
 
 FORMATS: Mapping[str, tuple[Make, str, str]] = {
     'csv': (
-        _of_marks(lambda layout, given: marks_csv(given, read_people(layout)), _points(AUTOMATIC)),
+        _of_marks(lambda layout, given: marks_csv(given, read_people(layout)), POINTS),
         '.csv',
         'write a table with one row per submission (RFC 4180, safe to open in a spreadsheet)',
     ),

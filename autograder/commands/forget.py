@@ -9,7 +9,6 @@ with equal files share them.
 import argparse
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
-from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 import shutil
@@ -19,11 +18,10 @@ from sqlalchemy import text
 
 from autograder.classroom.collected import read_collected, save_collected, Work
 from autograder.classroom.course_lock import lock_course
-from autograder.classroom.people import student_named
+from autograder.classroom.people import find_student
 from autograder.classroom.results_of_class import last_results
 from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import relative_path
-from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook.database import query, save_copy
 from autograder.gradebook.journal import read_notes
@@ -43,7 +41,7 @@ def run(chosen: argparse.Namespace) -> int:
     """Print all data about some students; with ``--yes``, also remove it."""
     layout = Layout.here()
     with lock_course(layout, 'forget') if chosen.yes else nullcontext():
-        ids = dict.fromkeys(find_student(layout, name) for name in chosen.students)
+        ids = dict.fromkeys(student_with_data(layout, name) for name in chosen.students)
         found = {student: list(traces(layout, student)) for student in ids}
         for student, there in found.items():
             lines = [line for said, _ in there for line in said]
@@ -62,7 +60,7 @@ def run(chosen: argparse.Namespace) -> int:
     return OK
 
 
-def find_student(layout: Layout, name: str) -> str:
+def student_with_data(layout: Layout, name: str) -> str:
     """Return the id of a student with data, by id or name; GraderError if none or several fit."""
     known = {one.student for one in read_collected(layout)}
     known.update(str(one) for (one,) in query(layout, text('select id from student')))
@@ -70,13 +68,7 @@ def find_student(layout: Layout, name: str) -> str:
         known.update(one.name for one in above.glob('*') if _is_folder(one))
     for assignment in layout.assignments():
         known.update(one.student for one in last_results(layout, assignment))
-    if student := student_named(layout, name, known):
-        return student
-    close = get_close_matches(name, known, n=3)
-    raise GraderError(
-        printable(f'{name}: there is no such student.'),
-        printable(f'Did you mean {", ".join(close)}?') if close else '',
-    )
+    return find_student(layout, name, known)
 
 
 def traces(layout: Layout, student: str) -> Iterator[Trace]:

@@ -8,7 +8,7 @@ cut, the same command resumes it.
 import argparse
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import json
 import os
 from pathlib import Path
@@ -19,18 +19,27 @@ import time
 from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
-from autograder.classroom.collected import NOTHING
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import print_table, write_all_reports
-from autograder.classroom.people import extensions, not_collected, not_listed, read_people
+from autograder.classroom.people import extensions, not_listed, read_people
 from autograder.classroom.results_of_class import modes, results_of_others
+from autograder.classroom.standing import (
+    collected_digests,
+    MISSING,
+    TO_GRADE,
+    without_result,
+)
 from autograder.commands import flag, FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
 from autograder.commands.progress import progress, run_s, slowest_text
 from autograder.errors import from_os_error, GraderError, UsageError
 from autograder.exam.inputs import keep_secret, refuse_other_secret
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
-from autograder.gradebook.database import notes_for_instructor, refuse_damaged
+from autograder.gradebook.database import (
+    notes_for_instructor,
+    refuse_damaged,
+    to_grade_by_hand,
+)
 from autograder.gradebook.live_entry import Guard, LiveEntry, MAX_NAMED
 from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.examine import Engine
@@ -262,6 +271,8 @@ class Grading:
         others: Sequence[SubmissionResult] = ()
         if self.submitted.resolve() != layout.submitted.resolve():
             others = results_of_others(layout, assignment, {one.student for one in class_})
+        # Read before the runs: work that changes during the grading counts as changed.
+        collected = collected_digests(layout, assignment)
         entry = LiveEntry(layout, lesson, self.guard)
         enter = entry.add if self.engine.hidden else lambda graded: None
         began = time.monotonic()
@@ -269,7 +280,9 @@ class Grading:
             graded = grade_class(class_, lesson, self.engine, self.jobs, show, enter)
         runs_s = time.monotonic() - began
         _, refused = entry.finish()
-        results = [one.result for one in graded]
+        results = [
+            replace(one.result, collected=collected.get(one.result.student, '')) for one in graded
+        ]
         lowered = self.guard.lowered_in(assignment)
         about_marks = [] if refused or not self.engine.hidden else [entry.counts(graded)]
         parts = [
@@ -318,21 +331,22 @@ class Grading:
         """Write the reports, print some of the results; return why reports are missing."""
         layout, console = self.layout, self.console
         everybody = sorted(everybody, key=lambda one: one.student)
-        missing = not_collected(layout, assignment, {one.student for one in everybody})
+        missing = without_result(layout, assignment, everybody)
+        by_hand = to_grade_by_hand(layout, assignment, everybody)
         unwritten = where = ''
         try:
             where = relative_path(
-                write_all_reports(layout, assignment, everybody, summary), layout
+                write_all_reports(layout, assignment, everybody, summary, len(by_hand)), layout
             )
         except OSError as error:  # Print the table first, then report the error.
             unwritten = str(from_os_error(error, str(layout.reports)))
-        refused = [one for one in missing if one.why != NOTHING]
+        refused = [one for one in missing if one.status != MISSING]
         if shown or refused:
             some = ' (new, changed or for review)' if len(shown) < len(everybody) else ''
             print_table(console, assignment + some, shown, read_people(layout), refused)
             console.print(summary, markup=False)
-            if missing:
-                names = [one.person or one.student for one in missing]
+            absent = [one for one in missing if one.status not in TO_GRADE]
+            if names := [one.person or one.student for one in absent]:
                 said = f'Nothing to grade yet from: {first_of(names, MAX_NAMED)}.'
                 console.print(printable(said), markup=False)
         else:

@@ -32,6 +32,7 @@ from autograder.commands import (
 from autograder.errors import GraderError
 from autograder.exam.inputs import refuse_other_secret
 from autograder.explaining.feedback import number, printable
+from autograder.gradebook.database import to_grade_by_hand
 from autograder.gradebook.journal import Journal
 from autograder.gradebook.live_entry import enter, Guard
 from autograder.gradebook.record import refuse_unfit_points
@@ -257,8 +258,9 @@ def _write(
     count = len(new)
     entered, refused = enter(layout, lesson, new, guard)
     summary = f'{count} of {len(results)} submissions were judged again from recordings.'
-    write_all_reports(layout, lesson.assignment, results, summary)
-    in_gradebook = f'{entered} were entered in the gradebook, {count - entered} were unchanged'
+    by_hand = to_grade_by_hand(layout, lesson.assignment, results)
+    write_all_reports(layout, lesson.assignment, results, summary, len(by_hand))
+    in_gradebook = f'new in the gradebook: {entered}, unchanged: {count - entered}'
     if refused:
         in_gradebook = f'the gradebook did not accept all of the {entered} changed results'
     said = f'The reports show the new points of {count} submissions; {in_gradebook}.'

@@ -52,7 +52,7 @@ def similar_text(found: Similar, assignment: str, submitted: Path, at_least: flo
     if found.typical is not None:
         lines.append(f'Two submissions of this class are typically {found.typical:.0%} alike.')
     if found.pairs:
-        lines += [f'The files are in {submitted}.', '']
+        lines += [f'The files are {submitted}/STUDENT/{assignment}/*.ipynb.', '']
     else:
         lines.append(f'No two submissions are {at_least:.0%} or more alike.')
     lines += [

@@ -1,12 +1,14 @@
-"""The commands ``stats`` and ``report``: statistics of a class, as text and as a page."""
+"""The command ``stats``: the statistics of a class as text."""
 
 import argparse
+from collections.abc import Sequence
 
-from autograder.classroom.pages import write_class_report
 from autograder.classroom.results_of_class import graded
+from autograder.classroom.standing import BY_HAND, by_status, CHANGED, TO_GRADE
 from autograder.classroom.statistics import class_numbers, ClassNumbers
 from autograder.commands import ASSIGNMENT_OR_ALL, FOR_REVIEW, OK, takes
 from autograder.explaining.feedback import number, printable
+from autograder.gradebook.database import to_grade_by_hand
 from autograder.layout import Layout
 from autograder.results import shortened
 
@@ -15,30 +17,27 @@ CAUSE_CHARS = 100
 
 
 @takes(ASSIGNMENT_OR_ALL)
-def report(chosen: argparse.Namespace) -> int:
-    """Write the class page of each assignment and print its path."""
-    layout = Layout.here()
-    for one in graded(layout, chosen.assignment):
-        print(write_class_report(layout, one))
-    return OK
-
-
-@takes(ASSIGNMENT_OR_ALL)
 def run(chosen: argparse.Namespace) -> int:
     """Print the statistics of a class."""
     layout = Layout.here()
-    found = [class_numbers(layout, one) for one in graded(layout, chosen.assignment)]
-    print('\n\n'.join(stats_text(one) for one in found))
+    classes = graded(layout, chosen.assignment)
+    found = [class_numbers(layout, one) for one in classes]
+    by_hand = [to_grade_by_hand(layout, one.assignment, one.results) for one in classes]
+    print('\n\n'.join(map(stats_text, found, by_hand)))
     return FOR_REVIEW if any(one.review for one in found) else OK
 
 
-def stats_text(numbers: ClassNumbers) -> str:
-    """Return the statistics of a class as plain text."""
+def stats_text(numbers: ClassNumbers, by_hand: Sequence[str] = ()) -> str:
+    """Return the statistics of a class as plain text; ``by_hand``: students to grade by hand."""
     lines = [
         f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
     ]
     lines += [f'  for review: {student}: {fault}' for student, fault in numbers.review]
-    lines += [f'  missing: {one.student}: {one.reason}' for one in numbers.missing]
+    waiting = [(one.student, one.status) for one in numbers.missing if one.status in TO_GRADE]
+    waiting += [(student, BY_HAND) for student in by_hand if (student, CHANGED) not in waiting]
+    lines += [f'  {line}' for line in by_status(waiting)]
+    absent = (one for one in numbers.missing if one.status not in TO_GRADE)
+    lines += [f'  missing: {one.student}: {one.reason}' for one in absent]
     lines += _marks_lines(numbers)
     if numbers.checks:
         lines.append('  failed  not run  mean points  check')

@@ -2,8 +2,8 @@
 Export all results of the last grading as JSON; docs/results.schema.json describes the format.
 
 ``points`` of a submission and of its exams and checks are null while there is no mark: the
-submission is for review, or only visible checks were run.  ``missing`` names the students without
-a submission.
+submission is for review, or only visible checks were run.  ``missing`` names the students whose
+current work has no result.
 """
 
 from collections.abc import Mapping, Sequence

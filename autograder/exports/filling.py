@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import re
 
+from autograder.classroom.standing import by_status
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number
 from autograder.exports.marks import Mark
@@ -34,11 +35,12 @@ class Filled:
 
     def text(self) -> str:
         """Return the changes as text, one line each."""
-        lines = [f'{self.column}: {self.filled} scores entered.']
+        lines = [f'{self.column}: {self.filled} score{"s" * (self.filled != 1)} entered.']
         lines += [f'replaced: {who}: {old} -> {new}' for who, old, new in self.replaced]
-        lines += [f'not entered: {who}: {why}' for who, why in self.left_out]
+        lines += [f'not entered: {line}' for line in by_status(self.left_out)]
         if self.untouched:
-            lines.append(f'{self.untouched} rows have no submission and are unchanged.')
+            rows = f'{self.untouched} {self.row}{"s" * (self.untouched != 1)}'
+            lines.append(f'Without a submission here, so unchanged: {rows}.')
         return '\n'.join(lines)
 
     def enter(self, row: list[str], index: int, mark: Mark, factor: float) -> None:

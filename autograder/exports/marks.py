@@ -2,16 +2,24 @@
 Return one mark per student of the class, from the automatic checks or from nbgrader's gradebook.
 
 The gradebook's mark includes manual grades and late penalties; it exists only if nothing in the
-submission waits for manual grading.  A student without a submission has no mark, never a zero.
+submission waits for manual grading.  A student without a submission has no mark, never a zero, and
+neither has a student whose work has changed since the last grading.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Any
 
-from autograder.classroom.collected import NOTHING
-from autograder.classroom.people import not_collected
-from autograder.classroom.results_of_class import ClassResults, has_mark
+from autograder.classroom.results_of_class import ClassResults
+from autograder.classroom.standing import (
+    BY_HAND,
+    GRADED,
+    NOT_ENTERED,
+    standings,
+    status_of,
+    WITHOUT_RESULT,
+)
 from autograder.errors import GraderError
 from autograder.gradebook.database import has_gradebook
 from autograder.gradebook.live_entry import mark_of
@@ -20,15 +28,6 @@ from autograder.results import SubmissionResult
 
 AUTOMATIC, GRADEBOOK = 'automatic', 'gradebook'
 SOURCES = (AUTOMATIC, GRADEBOOK)
-GRADED, REVIEW, BY_HAND, NOT_ENTERED, NO_GRADE, MISSING, NOT_COLLECTED = (
-    'graded',
-    'for review',
-    'to be graded by hand',
-    'not in the gradebook',
-    'only visible checks were run',
-    'nothing handed in',
-    'not collected',
-)
 
 
 @dataclass(frozen=True)
@@ -37,9 +36,10 @@ class Mark:
     The mark of a student in an assignment.
 
     :param points: None if there is no mark yet, which is not the same as zero
-    :param status: one of the strings above; without a mark, it gives the reason
+    :param status: a status of :mod:`autograder.classroom.standing`; without a mark, it gives the
+        reason
     :param late_points: points that nbgrader's late policy has already subtracted from ``points``
-    :param result: the last result; None for a student without a submission
+    :param result: the last result; None if the student's current work has none
     """
 
     student: str
@@ -59,20 +59,24 @@ def marks(layout: Layout, graded: ClassResults, source: str) -> list[Mark]:
     :raises GraderError: if the source is the gradebook and it does not have the assignment, or if
         the class list is wrong
     """
+    name = graded.assignment
+    states = standings(layout, name, graded.results)
     if source == AUTOMATIC:
-        found = [automatic(result) for result in graded.results]
+        found = list(map(automatic, graded.results))
     else:
-        found = from_gradebook(layout, graded.assignment, graded.results)
+        found = from_gradebook(layout, name, graded.results)
     most = max((mark.max_points for mark in found), default=0.0)
-    for one in not_collected(layout, graded.assignment, {mark.student for mark in found}):
-        status = MISSING if one.why == NOTHING else NOT_COLLECTED
-        found.append(Mark(one.student, None, most, status, assignment=graded.assignment))
-    return found
+    return [
+        mark
+        if mark and one.status not in WITHOUT_RESULT
+        else Mark(one.student, None, most, one.status, assignment=name)
+        for one, mark in zip_longest(states, found)
+    ]
 
 
 def automatic(result: SubmissionResult) -> Mark:
     """Return the mark from the automatic checks; visible checks alone give no mark."""
-    status = REVIEW if result.review else GRADED if has_mark(result) else NO_GRADE
+    status = status_of(result)
     points = result.points if status == GRADED else None
     return Mark(
         result.student,
@@ -117,9 +121,10 @@ def from_gradebook(
             )
     found = []
     for mark in map(automatic, results):
-        # An unusable submission has no automatic mark, but an instructor can grade it by hand.
-        if mark.points is not None or (mark.result and mark.result.unusable):
-            there = entered.get(mark.student, {'points': None, 'status': NOT_ENTERED})
+        there = entered.get(mark.student, {'points': None, 'status': NOT_ENTERED})
+        # An unusable submission is for review until an instructor has graded it by hand.
+        by_hand = mark.result and mark.result.unusable and there['status'] == GRADED
+        if mark.points is not None or by_hand:
             mark = replace(mark, **there)
         found.append(replace(mark, max_points=most))
     return found

@@ -49,8 +49,7 @@ def fill(
     possible = to_number(table.rows[1][index + 1]) if len(table.header) > index + 1 else None
     factor = factor_for(where, column, possible, marks, scale)
     done = Filled('Moodle', column=column)
-    columns = ', '.join(table.header[:index])
-    rows = matched(_lines(table, index, marks, numbers), marks, columns, done)
+    rows = matched(_lines(table, index, marks, numbers), marks, 'participant', done)
     for row, mark in rows.items():
         done.enter(table.rows[row], index, mark, factor)
     done.untouched = len(table.rows) - 1 - len(rows)

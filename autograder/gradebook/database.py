@@ -6,8 +6,8 @@ a gradebook that has lost its content is refused.  A gradebook on a server is no
 ``docs/gradebook.md``.
 """
 
-from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from difflib import get_close_matches
 import os
 from pathlib import Path
@@ -22,8 +22,10 @@ from sqlalchemy.pool import NullPool
 from traitlets.config import Config
 from traitlets.config.loader import PyFileConfigLoader
 
+from autograder.classroom.results_of_class import has_mark
 from autograder.errors import GraderError
 from autograder.layout import Layout
+from autograder.results import SubmissionResult
 from autograder.submission.notebook import CHECK_PREFIX
 
 MAX_RECENT = 10
@@ -158,6 +160,31 @@ def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -
         if gradebook is None or not inspect(gradebook).has_table(table):
             return ()
         return gradebook.execute(statement, values).all()
+
+
+WAITING = """
+select distinct submitted_assignment.student_id
+from grade
+join submitted_notebook on submitted_notebook.id = grade.notebook_id
+join submitted_assignment on submitted_assignment.id = submitted_notebook.assignment_id
+join assignment on assignment.id = submitted_assignment.assignment_id
+where grade.needs_manual_grade and assignment.name = :assignment
+"""
+
+
+def to_grade_by_hand(
+    layout: Layout, assignment: str, results: Iterable[SubmissionResult]
+) -> list[str]:
+    """
+    Return the students with points from checks whose other answers wait for manual grading.
+
+    An unusable gradebook gives none: the commands that write to it report the reason.
+    """
+    rows: Sequence[Any] = ()
+    with suppress(GraderError):
+        rows = query(layout, text(WAITING), assignment=assignment)
+    waiting = {str(student) for (student,) in rows}
+    return [one.student for one in results if has_mark(one) and one.student in waiting]
 
 
 def notes_for_instructor(layout: Layout) -> list[str]:

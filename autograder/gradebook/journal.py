@@ -150,6 +150,7 @@ class Journal:
     def _digest(self, graded: Graded, rows: Rows) -> str:
         """Return a digest of a submission, its result, and the gradebook's values."""
         student, result = graded.result.student, graded.result.to_json()
+        result.pop('collected')
         for exam in result['exams']:
             exam.pop('timing', None)
             exam.pop('pictures', None)

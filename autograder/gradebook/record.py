@@ -19,7 +19,7 @@ from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import results_file, results_of_others
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam.exam import Exam
-from autograder.gradebook.database import has_gradebook
+from autograder.gradebook.database import has_gradebook, to_grade_by_hand
 from autograder.gradebook.journal import autograded, drop
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
@@ -108,7 +108,8 @@ def remove_entries(layout: Layout, students: Collection[str]) -> None:
         except GraderError:
             continue  # The results are damaged; the next grading replaces them.
         if others:
-            write_all_reports(layout, assignment, others)
+            by_hand = to_grade_by_hand(layout, assignment, others)
+            write_all_reports(layout, assignment, others, by_hand=len(by_hand))
         else:
             shutil.rmtree(layout.reports / assignment)
 

@@ -12,10 +12,11 @@ from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import last_results, results_file
+from autograder.classroom.standing import GRADED
 from autograder.collect.course import due_dates
-from autograder.commands.forget import find_student, traces
+from autograder.commands.forget import student_with_data, traces
 from autograder.errors import GraderError
-from autograder.exports.marks import from_gradebook, GRADED
+from autograder.exports.marks import from_gradebook
 from autograder.gradebook import journal
 from autograder.gradebook.database import gradebook_file, load_config
 from autograder.gradebook.live_entry import begin_to_enter, enter, Guard
@@ -376,7 +377,7 @@ def forgets_a_student(course: Layout) -> None:
     there = [SubmissionResult(one, ASSIGNMENT) for one in ('1001', '1002')]
     write_all_reports(course, ASSIGNMENT, there)
 
-    assert find_student(course, 'ann example') == '1001'
+    assert student_with_data(course, 'ann example') == '1001'
     assert len(list(traces(course, '1001'))) == 4
     assert grade(course) == 0  # a listing changes nothing
 
@@ -391,7 +392,7 @@ def forgets_a_student(course: Layout) -> None:
     assert folder.endswith('autograded/1001')
     assert not (course.work / 'autograded' / '1001').exists()
     with pytest.raises(GraderError, match=r'there is no such student. Did you mean 1002?'):
-        find_student(course, '1001')
+        student_with_data(course, '1001')
     with book(course) as gradebook:
         assert [student.id for student in gradebook.students] == ['1002']
     assert [one.student for one in last_results(course, ASSIGNMENT)] == ['1002']
@@ -415,7 +416,7 @@ def forgets_a_folder_that_is_no_students(course: Layout) -> None:
     with book(course) as gradebook:
         gradebook.add_student('notes')
 
-    place, marks = forget(course, find_student(course, 'notes'))
+    place, marks = forget(course, student_with_data(course, 'notes'))
     assert place.startswith('not touched: ')
     assert marks == 'gradebook: no submission'
     assert (course.submitted / 'notes').is_dir()

@@ -20,17 +20,18 @@ from autograder.authoring.sample_class import compose
 from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import graded as last
+from autograder.classroom.standing import (
+    BY_HAND,
+    CHANGED,
+    collected_digests,
+    GRADED,
+    NO_GRADE,
+    REVIEW,
+    UNGRADED,
+)
 from autograder.commands import FOR_REVIEW, OK
 from autograder.exports.gradescope import autograder_zip
-from autograder.exports.marks import (
-    AUTOMATIC,
-    BY_HAND,
-    GRADED,
-    marks,
-    NO_GRADE,
-    NOT_ENTERED,
-    REVIEW,
-)
+from autograder.exports.marks import AUTOMATIC, marks
 from autograder.gradebook.record import record
 from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
@@ -60,7 +61,9 @@ def grade(course: Layout) -> None:
         discover(course.submitted, ASSIGNMENT, NOTEBOOK), lesson, FakeEngine(), jobs=2
     )
     record(course, lesson, done)
-    write_all_reports(course, ASSIGNMENT, [one.result for one in done])
+    now = collected_digests(course, ASSIGNMENT)
+    results = [replace(one.result, collected=now[one.result.student]) for one in done]
+    write_all_reports(course, ASSIGNMENT, results)
 
 
 @pytest.fixture
@@ -95,7 +98,7 @@ class TestMarks:
 
         assert {name: one.points for name, one in found.items()} == dict.fromkeys(found)
         assert (found['ann'].status, found['eve'].status) == (BY_HAND, REVIEW)
-        assert [one.status for one in found.values()].count(NOT_ENTERED) == 1
+        assert [one.status for one in found.values()].count(REVIEW) == 2
 
     def test_unusable_work_gets_the_mark_that_a_person_gives(self, course):
         hand_in(course, 'cut', data=solved(course)[:9000])
@@ -129,7 +132,7 @@ class TestMarks:
             last(graded, ASSIGNMENT)[0],
             results=(SubmissionResult('ann', ASSIGNMENT, (ExamResult('e', (), mode='none'),)),),
         )
-        (mark,) = marks(graded, seen, 'gradebook')
+        mark, *_ = marks(graded, seen, 'gradebook')
 
         assert (mark.points, mark.status) == (None, NO_GRADE)
 
@@ -143,18 +146,62 @@ class TestMarks:
 @pytest.mark.nbgrader
 class TestCommands:
     def test_every_format_is_written_and_nothing_replaced(self, graded, capsys):
-        """Exit code 1 means that students have no score, and a second run needs --force."""
+        """Exit code 1 means that students have no score; only a file of --to needs --force."""
         for name in ('csv', 'checks-csv', 'json', 'junit'):
-            assert command.main(['export', name]) == FOR_REVIEW
+            for _ in range(2):
+                assert command.main(['export', name]) == FOR_REVIEW
+                said = capsys.readouterr()
+                data = Path(said.out.strip()).read_bytes()
+                assert b'ann' in data
+                assert CANARY.encode() not in data
+                assert f'no mark: {ASSIGNMENT}: for review (2): bad name , eve' in said.err
+            to = ['--to', said.out.strip()]
+            assert command.main(['export', name, *to]) == command.USAGE
             said = capsys.readouterr()
-            data = Path(said.out.strip()).read_bytes()
-            assert b'ann' in data
-            assert CANARY.encode() not in data
-            assert f'no mark: {ASSIGNMENT}: eve: for review' in said.err
-            assert command.main(['export', name]) == command.USAGE
-            assert '--force' in capsys.readouterr().err
-            assert command.main(['export', name, '--force']) == FOR_REVIEW
+            assert '--force' in said.err
+            assert 'no mark' not in said.err
+            assert command.main(['export', name, *to, '--force']) == FOR_REVIEW
             capsys.readouterr()
+
+    def test_work_that_was_collected_later_has_no_mark(self, graded, capsys):
+        """Until it is graded, neither points nor a feedback page of earlier work are exported."""
+        grade_by_hand(graded, 'ann', 4.0)
+        grade_by_hand(graded, 'bob', 4.0)
+        hand_in(graded, 'bob')
+        hand_in(graded, 'new')
+        where = graded.work / 'exports' / ASSIGNMENT
+
+        assert command.main(['export', 'csv', ASSIGNMENT]) == FOR_REVIEW
+        lines = Path(f'{where}.csv').read_text('utf-8').splitlines()
+        rows = {row['student']: row for row in csv.DictReader(lines)}
+        assert rows['ann']['points'] == '54'
+        assert (rows['bob']['points'], rows['bob']['status']) == ('', CHANGED)
+        assert (rows['new']['points'], rows['new']['status']) == ('', UNGRADED)
+        said = capsys.readouterr().err
+        assert f'{CHANGED} (1): bob. Try: make grade' in said
+        assert f'{UNGRADED} (1): new. Try: make grade' in said
+
+        assert command.main(['export', 'feedback', ASSIGNMENT]) == FOR_REVIEW
+        with zipfile.ZipFile(f'{where}.feedback.zip') as archive:
+            assert [name for name in archive.namelist() if 'bob' in name or 'new' in name] == []
+        assert command.main(['explain', 'bob', '--assignment', ASSIGNMENT]) == OK
+        assert 'points. Changed since the last grading. Try: make grade' in capsys.readouterr().out
+        assert command.main(['explain', 'new', 'publishes']) == command.USAGE
+        said = capsys.readouterr().err
+        assert f'new, {ASSIGNMENT}: Collected, but not graded yet. Try: make grade' in said
+
+    def test_no_page_makes_no_file(self, course, monkeypatch, capsys):
+        """All answers still wait for manual grading; an empty zip would look like feedback."""
+        monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
+        hand_in(course, 'ann')
+        grade(course)
+
+        assert command.main(['export', 'feedback', ASSIGNMENT]) == FOR_REVIEW
+        said = capsys.readouterr()
+        assert said.out == 'There is no page to pack, so nothing was written.\n'
+        assert f'{BY_HAND} (1): ann. Try: ' in said.err
+        assert '--points automatic' in said.err
+        assert not (course.work / 'exports').exists()
 
     @pytest.mark.parametrize(
         ('platform', 'options', 'sheet', 'place', 'filled'),
@@ -193,7 +240,7 @@ class TestCommands:
         assert [row[place] for row in rows] == filled
         assert mine.read_bytes() == before
         said = capsys.readouterr()
-        assert 'not entered: eve: for review' in said.out
+        assert 'not entered: for review (1): eve' in said.out
         assert said.err == f'late: {ASSIGNMENT}: ann: 2 points off, 53 left\n'
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
 
@@ -207,33 +254,30 @@ class TestCommands:
         assert command.main(['export', 'feedback', ASSIGNMENT, '--to', str(to)]) == FOR_REVIEW
         said = capsys.readouterr().err
         with zipfile.ZipFile(to) as archive:
-            assert archive.namelist() == ['ann_7_88_t_feedback.html']
-            page = archive.read('ann_7_88_t_feedback.html').decode()
+            names = ['ann_7_88_t_feedback.html', 'bad~20name~20/feedback.html']
+            assert archive.namelist() == names
+            page, why = (archive.read(name).decode() for name in names)
         assert '44 of 55 points</h1>' in page
         assert '54 points, minus 10 for being late.' in page
-        assert f'no mark: {ASSIGNMENT}: zoe: nothing handed in' in said
+        assert 'rename the folder to the student id' in why
+        assert f'no mark: {ASSIGNMENT}: nothing handed in (1): zoe' in said
         assert f'late: {ASSIGNMENT}: ann: 10 points off, 44 left' in said
         assert not list(graded.work.glob('feedback_*'))
 
-    def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
+    def test_stats_and_similar_speak_of_the_same_class(self, graded, capsys):
         """The exit code of ``stats`` signals a review, and ``similar`` lists the copy."""
         assert command.main(['stats', 'temperature_monitor']) == FOR_REVIEW
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 4 submissions\n')
         assert ' of 2 have full marks' in said
 
-        assert command.main(['report']) == OK
-        assert Path(capsys.readouterr().out.strip()).name == 'class.html'
-
         assert command.main(['similar', 'temperature_monitor']) == OK
         said = capsys.readouterr().out
-        assert f'The files are in {graded.submitted}.' in said
-        file = f'{ASSIGNMENT}/{NOTEBOOK}'
-        assert f' 37 common lines  ann/{file}  ~  bob/{file}\n' in said
+        assert f'The files are {graded.submitted}/STUDENT/{ASSIGNMENT}/*.ipynb.' in said
+        assert ' common lines  ann  ~  bob\n' in said
 
     def test_similarity_is_in_nothing_that_is_shown(self, graded):
         command.main(['similar', ASSIGNMENT])
-        command.main(['report'])
         command.main(['export', 'json'])
 
         for path in graded.work.rglob('*'):

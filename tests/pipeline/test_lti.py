@@ -14,9 +14,10 @@ from urllib.parse import parse_qs
 
 import pytest
 
+from autograder.classroom.standing import BY_HAND
 from autograder.errors import GraderError
 from autograder.exports.lti import line_item, read_platform, send
-from autograder.exports.marks import BY_HAND, Mark
+from autograder.exports.marks import Mark
 
 pytestmark = pytest.mark.lti
 TOOL = 'tool-17'

@@ -10,7 +10,8 @@ import pytest
 from rich.console import Console
 
 from autograder.classroom.results_of_class import graded as results_of
-from autograder.classroom.results_of_class import results_file
+from autograder.classroom.results_of_class import last_results, results_file
+from autograder.classroom.standing import CHANGED, UNGRADED, without_result
 from autograder.commands.grade import Grading
 from autograder.errors import GraderError
 from autograder.gradebook.live_entry import Guard
@@ -68,6 +69,24 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
         assert new[name] == old[name]
     text = (graded.reports / ASSIGNMENT / 'class.html').read_text(encoding='utf-8')
     assert [one for one in new if f'students/{one}' not in text] == []
+
+
+def test_an_appeal_counts_until_new_work_is_collected(graded, tmp_path):
+    """The notebook of an appeal differs from the collected one, which has not changed."""
+    hand_in(graded, 'bob', into=tmp_path / 'appeal')
+    hand_in(graded, 'dee', into=tmp_path / 'appeal')
+    grade(graded, tmp_path / 'appeal')
+    assert without_result(graded, ASSIGNMENT, last_results(graded, ASSIGNMENT)) == ()
+
+    for student in ('bob', 'dee', 'eve'):
+        hand_in(graded, student, sensor_id='sensor')
+
+    missing = without_result(graded, ASSIGNMENT, last_results(graded, ASSIGNMENT))
+    assert [(one.student, one.status) for one in missing] == [
+        ('bob', CHANGED),
+        ('dee', CHANGED),
+        ('eve', UNGRADED),
+    ]
 
 
 @pytest.mark.parametrize('link', [False, True], ids=['by its name', 'by a link'])

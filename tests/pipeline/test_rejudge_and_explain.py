@@ -240,8 +240,8 @@ class TestRejudge:
 
         (account,) = rejudge_command(layout, None, None, write=True)
         assert account['written'] == (
-            'The reports show the new points of 4 submissions; 4 were entered in the gradebook, '
-            '0 were unchanged.'
+            'The reports show the new points of 4 submissions; new in the gradebook: 4, '
+            'unchanged: 0.'
         )
         data = {one['student']: one for one in json.loads(results.read_text(encoding='utf-8'))}
         points = [check['points'] for check in data['pass__reference']['exams'][0]['checks']]
@@ -276,7 +276,7 @@ class TestRejudge:
         assert 'fail__two_hertz' in changed
         assert len(changed) < len(STUDENTS)
         assert given == [set(STUDENTS), changed]
-        assert '0 were entered in the gradebook, 4 were unchanged' in unchanged['written']
+        assert 'new in the gradebook: 0, unchanged: 4' in unchanged['written']
         assert [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)] == slowest
         assert all(seconds > 0 for _, seconds in slowest)
 
@@ -347,12 +347,18 @@ class TestExplain:
     @pytest.mark.parametrize(
         ('student', 'check', 'said'),
         [
+            ('pass_reference', 'names_the_unit', 'Did you mean pass__reference'),
+            ('pass__reference', 'nothing', 'Try: explain STUDENT, which lists all checks'),
             (
-                'nobody',
-                'names_the_unit',
-                'Students with results: fail__crashes_in_mid_run, fail__stamps',
+                'pass__reference',
+                'names_unit',
+                r'Try: name one of temperature_publisher/names_the_unit',
             ),
-            ('pass__reference', 'nothing', 'Try: name one of temperature_publisher/starts'),
+            (
+                'pass__reference',
+                'temperature_publisher',
+                'Try: name one of temperature_publisher/s',
+            ),
             ('pass__reference', 'other/names_the_unit', 'has no check with this name'),
         ],
     )
@@ -439,7 +445,7 @@ class TestCommands:
 
         assert command.main(['explain', 'nobody', 'x']) == command.USAGE
         (line,) = capsys.readouterr().err.splitlines()
-        assert line.startswith('autograder: nobody: no student with this name or id has results')
+        assert line.startswith('autograder: nobody: there is no such student')
 
     def test_explain_without_a_check_lists_the_checks_of_a_student(self, layout, capsys):
         """The list has verdict, points and cause; the student is given by id or name."""

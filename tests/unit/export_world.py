@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from autograder.classroom.results_of_class import ClassResults
-from autograder.exports.marks import automatic, Mark, MISSING
+from autograder.classroom.standing import MISSING
+from autograder.exports.marks import automatic, Mark
 from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
 
 ASSIGNMENT = '01_talker'

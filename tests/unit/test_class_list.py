@@ -1,6 +1,7 @@
 """The class list and the extensions: missing students, more time, and refused files."""
 
 from datetime import timedelta
+import re
 
 from collect_sources import (
     collect,
@@ -15,18 +16,13 @@ from rich.console import Console
 
 from autograder.classroom.collected import collected_names, read_collected, save_collected, Work
 from autograder.classroom.pages import print_table, write_all_reports
-from autograder.classroom.people import (
-    class_list,
-    extensions,
-    not_collected,
-    not_listed,
-    read_people,
-)
+from autograder.classroom.people import class_list, extensions, not_listed, read_people
 from autograder.classroom.results_of_class import ClassResults, graded
+from autograder.classroom.standing import MISSING, without_result
 from autograder.classroom.statistics import class_numbers
 from autograder.commands.stats import stats_text
 from autograder.errors import GraderError
-from autograder.exports.marks import AUTOMATIC, marks, MISSING
+from autograder.exports.marks import AUTOMATIC, marks
 from autograder.submission.inbox import student_id
 
 
@@ -74,17 +70,17 @@ def test_name_and_id_of_a_student_are_the_same_student(layout, column):
 
     assert extensions(layout)[student_id(name), TALK] == timedelta(hours=48)
     for folder in (name, student_id(name)):  # an instructor may have created the folder
-        assert not_collected(layout, TALK, {folder}) == ()
+        assert without_result(layout, TALK, [submission(folder)]) == ()
         assert not_listed(layout, {folder}) == ()
 
 
 def test_without_a_list_nobody_is_missing(layout):
-    assert not_collected(layout, TALK, {'ann'}) == ()
+    assert without_result(layout, TALK, [submission('ann')]) == ()
     assert not_listed(layout, ['ann']) == ()
 
 
 def test_reports_and_statistics_name_who_is_missing(listed):
-    missing = not_collected(listed, TALK, {'ann'})
+    missing = without_result(listed, TALK, [submission('ann')])
     console = Console(record=True, width=120, file=None)
     print_table(console, TALK, [submission('ann')], {}, missing)
     write_all_reports(listed, TALK, [submission('ann')])
@@ -98,13 +94,33 @@ def test_reports_and_statistics_name_who_is_missing(listed):
 
 
 @pytest.mark.parametrize(
+    ('text', 'names'),
+    [
+        (
+            'Student,ID,SIS Login ID,Section,Monitor (7)\n    Points Possible,,,,50\n'
+            '"García, Katrin",1003,kg,One,37\n"Student, Test",9,,One,\n',
+            {'1003': 'Katrin García'},
+        ),
+        (
+            'First name,Last name,Email address,Groups\nKatrin,García,kg@x.example,\n',
+            {'Katrin García': 'Katrin García'},
+        ),
+    ],
+)
+def test_downloads_from_canvas_and_moodle_are_class_lists(layout, text, names):
+    laid(layout.work, {'class_list.csv': text.encode()})
+
+    assert class_list(layout) == names
+
+
+@pytest.mark.parametrize(
     ('text', 'why'),
     [
         ('name\nann\n', 'there is no column student'),
         ('student\nann\nann\n', 'row 3: ann is in the list twice'),
         ('student\n-\n', "row 2: the student id '-' has no letter or digit"),
         ('student,name\nann\n', 'line 2 has 1 fields, line 1 has 2'),
-        ('student\nJ\xf6rg\n', 'not UTF-8'),
+        ('student\nJ\xf6rg\n', 'not UTF-8; save it as CSV UTF-8'),
     ],
 )
 def test_a_wrong_list_is_refused_with_its_place(layout, text, why):
@@ -153,3 +169,29 @@ def test_a_wrong_extension_is_refused_with_its_place(gather, layout, row, why):
             layout.submitted,
         )
     assert not layout.submitted.exists()
+
+
+@pytest.mark.parametrize(
+    ('listed', 'name', 'said'),
+    [
+        (True, 'Katrin Garcia', 'Did you mean "Katrin García"?'),
+        (True, 'eve', 'Try: use the id in the class list, or delete the row'),
+        (False, 'katrin garcia', 'Did you mean "Katrin García"?'),
+        (False, 'eve', ''),
+        (True, 'katrin  García', ''),
+    ],
+)
+def test_extensions_are_for_students_of_the_course(layout, listed, name, said):
+    """Without a class list, a student may be unknown because their work is still to come."""
+    files = {'extensions.csv': f'student,assignment,hours\n{name},,48\n'.encode()}
+    if listed:
+        files['class_list.csv'] = 'student,name\n1003,Katrin García\n'.encode()
+    laid(layout.work, files)
+    save_collected(layout, [Work('1003', TALK, 'Katrin García')])
+
+    if said:
+        why = f'row 2: there is no student {name}. {said}'
+        with pytest.raises(GraderError, match=re.escape(why)):
+            extensions(layout)
+    else:
+        assert extensions(layout)['1003' if listed else name, TALK] == timedelta(hours=48)

@@ -14,6 +14,7 @@ import pytest
 from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports, write_class_report
 from autograder.classroom.results_of_class import ClassResults, graded
+from autograder.classroom.standing import standings
 from autograder.classroom.statistics import class_numbers
 from autograder.commands.explain import verdicts_text
 from autograder.commands.stats import stats_text
@@ -210,7 +211,9 @@ class TestPage:
         text = read(page_of(layout.root, *results)).text
 
         assert numbers.review == (('zoe', cut.line()),)
-        assert f'for review: {cut.line()}'[:60] in ' '.join(verdicts_text(layout, results).split())
+        said = verdicts_text([(ASSIGNMENT, one) for one in standings(layout, ASSIGNMENT, results)])
+        assert f'zoe, {ASSIGNMENT}: for review: {cut.line()}'[:60] in said
+        assert said.count('talker/runs') == 1
         assert numbers.marks.count == 1
         look = text.index('Worth a look')
         assert look < text.index(cut.got, look) < text.index('odd cells')

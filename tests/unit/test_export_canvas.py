@@ -11,9 +11,10 @@ import io
 
 import pytest
 
+from autograder.classroom.standing import BY_HAND, REVIEW
 from autograder.errors import GraderError
 from autograder.exports import canvas
-from autograder.exports.marks import BY_HAND, Mark, REVIEW
+from autograder.exports.marks import Mark
 from autograder.submission.inbox import student_id
 
 HEADER = 'Student,ID,SIS User ID,SIS Login ID,Section,Notes,Quiz 1 (101),Talker (102),Final Score'

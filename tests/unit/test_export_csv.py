@@ -13,7 +13,8 @@ from export_world import ABSENT, CLASS, EVIL, FORMULA, marked, submission
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.exports.marks import automatic, BY_HAND, Mark
+from autograder.classroom.standing import BY_HAND
+from autograder.exports.marks import automatic, Mark
 from autograder.exports.table import (
     checks_csv,
     csv_bytes,

@@ -11,9 +11,10 @@ import io
 
 import pytest
 
+from autograder.classroom.standing import MISSING
 from autograder.errors import GraderError
 from autograder.exports import moodle
-from autograder.exports.marks import Mark, MISSING
+from autograder.exports.marks import Mark
 
 HEADER = (
     'Identifier,"Full name","Email address",Status,Grade,"Maximum Grade","Grade can be changed",'

@@ -1,5 +1,7 @@
 """What collecting keeps about students: work that was not collected, and display names."""
 
+import re
+
 from collect_sources import (
     CANVAS,
     GOOD,
@@ -22,7 +24,8 @@ from autograder.classroom.collected import (
     Work,
 )
 from autograder.classroom.pages import print_table, write_all_reports
-from autograder.classroom.people import names_for_email, not_collected, read_people, student_named
+from autograder.classroom.people import find_student, read_people, student_named
+from autograder.classroom.standing import names_for_email, without_result
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.deliveries import TAKEN, UNCHANGED
 from autograder.commands import OK
@@ -88,9 +91,9 @@ def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
     collect(laid(tmp_path / 's', {'ann/essay.pdf': b'%PDF'}), layout, layout.submitted)
 
     for assignment in (TALK, LISTEN):
-        (one,) = not_collected(layout, assignment, {'bob'})
-        assert (one.student, one.why) == ('ann', PDF)
-    assert not_collected(layout, TALK, {'ann'}) == ()
+        (one,) = without_result(layout, assignment, [submission('bob')])
+        assert (one.student, one.reason) == ('ann', f'Not collected: {PDF}.')
+    assert without_result(layout, TALK, [submission('ann')]) == ()
 
 
 @pytest.mark.parametrize(
@@ -115,7 +118,7 @@ def test_damaged_file_is_one_sentence(damage, layout, tmp_path):
 
     for act in (
         lambda: collect(source, layout, layout.submitted),
-        lambda: not_collected(layout, TALK, ()),
+        lambda: without_result(layout, TALK, ()),
         lambda: save_collected(layout, [Work('ann')]),
     ):
         with pytest.raises(GraderError, match=r'collected\.json: .* Try: delete the file'):
@@ -144,9 +147,10 @@ class TestShown:
         assert f'Not collected: {PDF} (handed in 2026-03-01 12:00 UTC).' in text
         assert 'For an e-mail: Ann &lt;b&gt;, bob</p>' in text
 
-    def test_table_has_a_row_for_each(self, missing):
+    def test_table_has_a_row_for_each(self, missing, layout):
         console = Console(record=True, width=120, file=None)
-        print_table(console, TALK, [submission('cho')], {}, missing)
+        rows = without_result(layout, TALK, [submission('cho')])
+        print_table(console, TALK, [submission('cho')], {}, rows)
         text = console.export_text()
 
         assert '1001 (Ann <b>)' in text
@@ -258,3 +262,22 @@ def test_a_name_of_several_students_is_refused_and_an_unknown_one_is_nobody(layo
     ):
         student_named(layout, 'Ann Lee', students)
     assert [student_named(layout, name, students) for name in ('Zoe', '', 'Gone')] == [''] * 3
+
+
+@pytest.mark.parametrize(
+    ('name', 'said'),
+    [
+        ('Clara Ivanof', 'Did you mean "Clara Ivanov"?'),
+        ('Ivanov', 'Did you mean "Clara Ivanov"?'),
+        ('Katrin Garcia', 'Did you mean "Katrin García"?'),
+        ('1011', 'Did you mean 1001?'),
+        ('Zoe', 'Try: the id, or the full name in quotes'),
+    ],
+)
+def test_an_unknown_student_is_refused_with_similar_names(layout, name, said):
+    names = {'1001': 'Clara Ivanov', '2': 'Katrin García', '3': 'Clara Gone'}
+    save_collected(layout, [Work(one, TALK, name) for one, name in names.items()])
+
+    assert find_student(layout, 'clara ivanov', {'1001', '2'}) == '1001'
+    with pytest.raises(GraderError, match=f'{name}: there is no such student. {re.escape(said)}'):
+        find_student(layout, name, {'1001', '2'})

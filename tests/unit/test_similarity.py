@@ -217,7 +217,7 @@ def test_the_list_says_that_it_is_no_proof():
     assert WARNING in text
     assert 'proves nothing' in text
     assert 'Two submissions of this class are typically' in text
-    assert 'The files are in /class.' in text
+    assert 'The files are /class/STUDENT/01_talker/*.ipynb.' in text
     assert '100%   13 common lines  ann  ~  bob' in text
 
 
