@@ -83,23 +83,27 @@ class Recording:
 
     def phase(self, name: str) -> Recording:
         """Return the part of the run from one mark to the next; empty if there is no such mark."""
-        events = [event for part, _ in self.parts(name) for event in part.events]
-        return Recording(self.header, events)
+        bounds = self._bounds(name)
+        return Recording(self.header, [one for at, end in bounds for one in self.events[at:end]])
 
     def parts(self, name: str) -> list[tuple[Recording, float]]:
         """
         Return the parts of the run in a phase, each with its duration [s].
 
-        A part begins at a mark with this name, and ends at the next mark or at the end of the run.
+        A part begins at a mark with this name, and ends with the next mark or the end of the run.
         """
-        marks = [at for at, event in enumerate(self.events) if event['event'] == 'mark']
         found = []
-        for at, after in pairwise([*marks, len(self.events)]):
-            if self.events[at]['name'] == name:
-                times_ns = [one.get('clock_ns') or 0 for one in self.events[at : after + 1]]
-                part = Recording(self.header, self.events[at:after])
-                found.append((part, (max(times_ns) - times_ns[0]) / SECOND))
+        for at, end in self._bounds(name):
+            part = Recording(self.header, self.events[at : end + 1])
+            times_ns = [one.get('clock_ns') or 0 for one in part.events]
+            found.append((part, (max(times_ns) - times_ns[0]) / SECOND))
         return found
+
+    def _bounds(self, name: str) -> list[tuple[int, int]]:
+        """Return the index of each mark with a name, and that of the next mark or the end."""
+        marks = [at for at, event in enumerate(self.events) if event['event'] == 'mark']
+        pairs = pairwise([*marks, len(self.events)])
+        return [(at, end) for at, end in pairs if self.events[at]['name'] == name]
 
     def answers(self, service: str) -> list[Event]:
         """Return the outcomes of all calls to a service, in order, including missing answers."""

@@ -2,7 +2,7 @@
 Find mistakes in exams before a class is graded, also by grading the course's own notebooks.
 
 An exam validates its own scenario when it is created, for example that each step names a known
-topic.  ``release check`` and ``self-check`` test the rest: whether message types exist and can
+topic.  ``release --check`` and ``self-check`` test the rest: whether message types exist and can
 hold the values (this needs an installed ROS), and whether the sections to read exist.
 """
 

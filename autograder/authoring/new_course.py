@@ -79,7 +79,10 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
         'kernel_title': KERNEL_TITLE,
     }
     there = [path for path in lesson_files(layout.solutions) if path.parent.name == lesson]
-    cells = read_release(there[0])['cells'] if there else []
+    try:
+        cells = read_release(there[0])['cells'] if there else []
+    except (OSError, ValueError) as error:
+        raise GraderError(f'{there[0]}: cannot be read: {error}.') from error
     words['part'] = str(1 + sum(map(is_check, cells)))
     files = {
         Path('exams', 'visible', f'{name}.py'): _filled('visible.txt', words),
@@ -102,7 +105,10 @@ def _appended(lesson: Path, exercise: str) -> str:
     """Return a lesson with the text, the node and the check cell of one more exercise."""
     notebook = json.loads(lesson.read_text(encoding='utf-8'))
     text, _, answer, check = json.loads(exercise)['cells']
-    notebook['cells'] += [{**text, 'id': f'text-{answer["id"]}'}, answer, check]
+    added = [{**text, 'id': f'text-{answer["id"]}'}, answer, check]
+    if notebook.get('nbformat_minor', 0) < 5:  # cells have ids since version 4.5 of the format
+        added = [{name: one for name, one in cell.items() if name != 'id'} for cell in added]
+    notebook['cells'] += added
     return json.dumps(notebook, indent=1, ensure_ascii=False) + '\n'
 
 

@@ -64,7 +64,7 @@ def release_command(chosen: argparse.Namespace) -> int:
     bundle = layout.work / 'student_bundle.zip'
     count = pack(layout, bundle, chosen.answers)
     print(f'notebooks/ contains {", ".join(made)}.')
-    print(f'{bundle.relative_to(layout.root)} contains {count} files for students.')
+    print(f'{relative_path(bundle, layout)} contains {count} files for students.')
     return OK
 
 

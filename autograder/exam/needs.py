@@ -9,10 +9,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Scenario
-from autograder.exam.steps import Call, Feed, Mark, Step
+from autograder.exam.steps import Advance, Call, Feed, Mark, Offer, Step
 
 Test = Callable[[Exam, Scenario], Iterator[str]]
 """Yields what an exam, and the scenario of the start that is judged, lack."""
+OF_EACH_NODE = ('rcl_interfaces/', 'type_description_interfaces/', 'lifecycle_msgs/')
+"""Packages of services that each node has, as in ``probe/probe_graph.py``."""
 
 
 def _known(what: str, name: str, known: Iterable[str]) -> Iterator[str]:
@@ -24,29 +26,67 @@ def _known(what: str, name: str, known: Iterable[str]) -> Iterator[str]:
 def watched(topic: str) -> Test:
     """Return the test that the probe records a topic."""
     what = 'a topic that the scenario watches'
-    return lambda exam, start: _known(what, topic, exam.names.published)
+    return lambda exam, start: _known(what, topic, start.watch)
 
 
 def fed(topic: str) -> Test:
     """Return the test that the probe publishes on a topic."""
-    what = 'a topic on which the scenario publishes'
-    return lambda exam, start: _known(what, topic, exam.names.heard)
+
+    def test(exam: Exam, start: Scenario) -> Iterator[str]:
+        offers = {step.name: step.topic for step in start.steps if isinstance(step, Offer)}
+        sent = (step.topic for step in start.steps if isinstance(step, Feed))
+        what = 'a topic on which a Feed publishes'
+        yield from _known(what, topic, (offers.get(one, one) for one in sent))
+
+    return test
 
 
-def called(service: str) -> Test:
-    """Return the test that the probe calls a service."""
-    what = 'a service that the scenario calls'
-    return lambda exam, start: _known(
-        what, service, (step.name for step in start.steps if isinstance(step, Call))
-    )
+def called(service: str, kind: str) -> Test:
+    """
+    Return the test that the probe calls a service of a given type.
+
+    The probe does not record services that ROS itself creates for each node.
+    """
+
+    def test(exam: Exam, start: Scenario) -> Iterator[str]:
+        calls = [step for step in start.steps if isinstance(step, Call)]
+        yield from _known(
+            'a service that the scenario calls', service, (one.name for one in calls)
+        )
+        types = [one.type for one in calls if one.name == service]
+        yield from _known(f'the type of {service} in the scenario', kind, types) if types else ()
+        if kind.startswith(OF_EACH_NODE):
+            yield f'expected a service of the exercise, got one that each node has: {kind}'
+
+    return test
 
 
-def marked(phase: str) -> Test:
-    """Return the test that the scenario has a phase."""
-    what = 'a phase that begins with a Mark'
-    return lambda exam, start: _known(
-        what, phase, (step.name for step in start.steps if isinstance(step, Mark))
-    )
+def marked(phase: str, least_s: float = 0.0) -> Test:
+    """
+    Return the test that the scenario has a phase.
+
+    :param least_s: minimum duration of each part of the phase [s]
+    """
+
+    def test(exam: Exam, start: Scenario) -> Iterator[str]:
+        names, lasts_s = [''], [0.0]
+        for step in start.steps:
+            if isinstance(step, Mark):
+                names.append(step.name)
+                lasts_s.append(0.0)
+            lasts_s[-1] += _seconds(step)
+        yield from _known('a phase that begins with a Mark', phase, names[1:])
+        short = [one for name, one in zip(names, lasts_s) if name == phase and one < least_s]
+        if short and phase in names[1:]:
+            yield f'the phase {phase!r} lasts {short[0]:g} s; expected at least {least_s:g} s'
+
+    return test
+
+
+def _seconds(step: Step) -> float:
+    if isinstance(step, Feed):
+        return step.every_s * len(step.messages) + step.rest_s
+    return step.seconds if isinstance(step, Advance) else 0.0
 
 
 def stepped(steps: Sequence[Step]) -> Test:
@@ -59,11 +99,12 @@ def stepped(steps: Sequence[Step]) -> Test:
     return test
 
 
-def asked_for(ask: str, each_is: type) -> Test:
+def asked_for(ask: str, each_is: type, service: str = '') -> Test:
     """
-    Return the test that an exam has a specification, with an answer to each input that is sent.
+    Return the test that an exam has a specification, and that its inputs are sent.
 
     :param each_is: type of the answers
+    :param service: full name of the service that receives the inputs, by default messages
     """
 
     def test(exam: Exam, start: Scenario) -> Iterator[str]:
@@ -74,11 +115,12 @@ def asked_for(ask: str, each_is: type) -> Test:
         other = [one for one in asked.answers if not isinstance(one, each_is)]
         kind = 'a tuple with a value per message' if each_is is tuple else f'a {each_is.__name__}'
         yield from (f'expected {kind} as each answer of {ask!r}, got {one!r}' for one in other[:1])
-        sent = sum(len(step.messages) for step in start.steps if isinstance(step, Feed))
-        if each_is is not dict and len(asked.inputs) != sent:
-            yield (
-                f'expected an input of {ask!r} for each of the {sent} messages that the scenario '
-                f'sends, got {len(asked.inputs)}'
-            )
+        calls = [step for step in start.steps if isinstance(step, Call) and step.name == service]
+        feeds = [len(step.messages) for step in start.steps if isinstance(step, Feed)]
+        sent = len(calls) if service else sum(feeds)
+        if len(asked.inputs) > sent:
+            what = f'calls of {service}' if service else 'messages'
+            count = len(asked.inputs)
+            yield f'{ask!r} has {count} inputs, more than the {what} in the scenario ({sent})'
 
     return test

@@ -78,7 +78,8 @@ def why_left_out(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -
         return None
     left, equal, false = zip(*pairs) if pairs else ((), (), ())
     names = {equal: 'only_new_answers', false: 'only_true_answers'}
-    return WHY[names[left]] if any(left) and left in names else None
+    certain = 1 < sum(left) < len(left) - 1
+    return WHY[names[left]] if certain and left in names else None
 
 
 def _count(answer: tuple[Any, ...] | None) -> int | None:

@@ -151,7 +151,7 @@ def changing(*rules: Callable[[Change], Rule], digits: Sequence[int] = (1, 2)) -
 
 
 def _without_near_zero(most: float, number: float) -> float:
-    return number if abs(number) >= most else 0.0
+    return 0.0 if abs(number) < most else number
 
 
 def leaving_out(

@@ -345,6 +345,9 @@ def why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
     if answer.get('reason') != 'no_service' or ended_after_refusal(run):
         return None
     if kind := run.names.services.get(service):
+        there = [end['type'] for end in run.recording.endpoints('service', service)]
+        if kind in there:
+            return cause_of('service_at_times', service=service)
         return why_no_endpoint(run, 'service', service, kind)
     return cause_of('no_service', service=service)
 

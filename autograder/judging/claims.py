@@ -15,11 +15,13 @@ answers and the slips.  The recorded answers to each input, or to a burst, are a
 """
 
 from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from itertools import zip_longest
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.needs import asked_for, called, fed, marked, stepped, Test, watched
+from autograder.exam.specification import same
 from autograder.exam.steps import PARAMETER_TYPES, read_parameters, Value
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.text_table import cause_of
@@ -121,7 +123,7 @@ def serves(service: str, kind: str, check: str = '', sentence: str = '') -> Judg
     def judge(run: Run) -> None:
         require_endpoint(run, 'service', service, kind)
 
-    return claim(check or f'serves_{base}', sentence, judge, called(service))
+    return claim(check or f'serves_{base}', sentence, judge, called(service, kind))
 
 
 def requests(topic: str, kind: str, check: str, sentence: str, **qos: Any) -> Judge:
@@ -174,22 +176,24 @@ def declares(
                     why=why_silent(run) or why_no_service(run, step.name, answer),
                 )
             seen = _parameter(answer)
-            if (type(seen), seen) != (type(due), due):
-                there = 'not declared' if seen is None else repr(seen)
-                situation = 'not_declared' if seen is None else 'other_default'
-                words = {'name': one, 'due': repr(due), 'seen': there, 'about': [one]}
-                why = cause_of(situation, **words)
-                raise Failed(expected=f'{one} {due!r}', observed=f'{one} {there}', why=why)
+            if type(seen) is type(due) and same(due, seen):
+                continue
+            declared = bool(field_of(answer, 'values'))
+            situation = 'other_default' if declared else 'not_declared'
+            there = 'of a different type' if seen is None else repr(seen)[:40]
+            there = there if declared else 'not declared'
+            why = cause_of(situation, name=one, due=repr(due), seen=there, about=[one])
+            raise Failed(expected=f'{one} {due!r}', observed=f'{one} {there}', why=why)
 
     return claim(check, sentence or f'Its parameters are {shown}.', judge, stepped(steps))
 
 
 def _parameter(answer: Mapping[str, Any]) -> Value | None:
-    """Return the only parameter in an answer of ``get_parameters``, None if it is not declared."""
+    """Return the value in an answer of ``get_parameters``, None if it is not a single one."""
     words = dict(PARAMETER_TYPES.values())
-    word = words.get(field_of(answer, 'values.0.type'))
+    word = words.get(field_of(answer, 'values.0.type'), '')
     found: Value | None = field_of(answer, f'values.0.{word}_value') if word else None
-    return found
+    return float(found) if word == 'double' and found is not None else found
 
 
 # -- answers to inputs ------------------------------------------------------------------------
@@ -266,11 +270,13 @@ def beats(
         require_endpoint(run, 'publisher', topic, run.names.published[topic])
         for part, during_s in run.parts(phase):
             found = part.recording.messages(topic)
-            require_period(part, found, period_s, during_s)
+            # A part does not show why the whole program is silent.
+            explain = partial(why_silent, run) if not found else lambda: None
+            require_period(part, found, period_s, during_s, explain=explain)
         require_complete(run)
 
     sentence = sentence or f'It publishes once every {period_s:g} s.'
-    return claim(check, sentence, judge, watched(topic), marked(phase))
+    return claim(check, sentence, judge, watched(topic), marked(phase, 3 * period_s))
 
 
 def quiet(
@@ -347,6 +353,4 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
             inputs=asked.inputs,
         )
 
-    return claim(
-        check or f'answers_{base}', sentence, judge, asked_for(ask, dict), called(service)
-    )
+    return claim(check or f'answers_{base}', sentence, judge, asked_for(ask, dict, service))

@@ -318,11 +318,8 @@ def why_other_rhythm(
         same = len(steps) > 1 and len(set(steps)) == 1 and steps[0] > 1 and _is(period_s, *between)
         often = f', once in {steps[0]:g} periods' if same else ''
         return cause_of('several_at_once', what=what, often=often, period_s=period_s)
-    # Fewer than three messages show no period, but a longer one in the code may explain them.
-    ticks = Code(run.files).numbers('create_timer') if len(gaps) < 2 else []
-    for tick_s in (one for one in ticks if one > period_s and (not gaps or _is(gaps[0], one))):
-        if during_s // tick_s <= len(found) <= during_s // tick_s + 1:
-            return _why_wrong_rate(run, tick_s, period_s, what)
+    if len(gaps) < 2 and (tick_s := _slow_tick_s(run, gaps, len(found), period_s, during_s)):
+        return _why_wrong_rate(run, tick_s, period_s, what)
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:
@@ -342,6 +339,21 @@ def why_other_rhythm(
         return cause_of('some_missing', what=what, period_s=period_s)
     again = place_of(Code(run.files), 'create_timer()@to:create_subscription()')
     return cause_of('timer_again', what=what) if again and len(found) > due + 1.5 else None
+
+
+def _slow_tick_s(
+    run: Run, gaps: Sequence[float], count: int, period_s: float, during_s: float
+) -> float:
+    """
+    Return the period in the code that explains a few messages, which show none themselves [s].
+
+    It is 0 if a timer has the right period or the program is silent.
+    """
+    ticks = Code(run.files).numbers('create_timer')
+    if any(_is(period_s, one) for one in ticks) or (not count and why_silent(run)):
+        return 0.0
+    slow = (one for one in ticks if one > period_s and (not gaps or _is(gaps[0], one)))
+    return float(next((one for one in slow if 0 <= count - during_s // one <= 1), 0.0))
 
 
 def _why_changed(

@@ -15,7 +15,7 @@ from autograder.exam import slips
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.patterns import why_burst_cut, why_left_out, why_pattern
 from autograder.exam.specification import sorted_answers, Specification
-from autograder.judging.causes.ended import while_running, why_silent
+from autograder.judging.causes.ended import while_running, why_no_endpoint, why_silent
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import counted, field_of, require_endpoint
 from autograder.judging.rhythm import seconds_between
@@ -176,9 +176,8 @@ def why_other_answer(
     if slip := asked.cause(came, place, part or ()):
         return slip
     counts = [one if one is None else len(one) for one in came]
-    if left_out := why_left_out(asked, came):
-        return left_out
-    if pattern := why_pattern(list(map(len, asked.answers)), counts):
+    pattern = why_pattern(list(map(len, asked.answers)), counts) or why_left_out(asked, came)
+    if pattern:
         return pattern
     more = len(came[place] or ()) - len(asked.answers[place])
     if more > 0:
@@ -245,6 +244,14 @@ def require_all_sent(run: Run, found: Sequence[object]) -> None:
 
 def require_complete(run: Run) -> None:
     """Fail if a run ended before all steps were executed."""
+    for event in run.recording.of('not_connected'):
+        if run.recording.end_reason == 'not_connected':
+            topic = event['topic']
+            raise Failed(
+                expected=f'a subscription on {topic}',
+                observed='no subscription',
+                why=why_no_endpoint(run, 'subscription', topic, run.names.heard.get(topic, '')),
+            )
     _require_alive(run, run.recording.end_reason == 'complete', 'moment of the exam')
 
 

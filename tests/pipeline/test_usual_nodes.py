@@ -8,6 +8,7 @@ from autograder.grading.examine import Engine
 from autograder.sandboxes.choose import strongest
 
 NODE = """
+import time
 import rclpy
 from rclpy.node import Node
 from geometry_msgs.msg import Twist
@@ -67,6 +68,8 @@ def pulses(condition='state[0]', **other):
     return PULSES.format(**{**given, 'condition': condition, **other})
 
 
+LATE = 'state[0] = state[0] and time.monotonic()\n    response.success = True\n    return response'
+UNANSWERED = dict.fromkeys(('answers_enable', 'keeps_its_rhythm'), 'no_response_returned')
 PROGRAMS = [
     ('speed_limiter', LIMITER.format(cut='max(-limit, min(message.linear.x, limit))'), 7, {}),
     (
@@ -118,10 +121,23 @@ PROGRAMS = [
         'pulse_counter',
         pulses(end='pass'),
         4,
-        dict.fromkeys(('answers_enable', 'keeps_its_rhythm'), 'no_response_returned'),
+        UNANSWERED,
     ),
     ('pulse_counter', pulses(end='return response'), 8, {'answers_enable': 'no_success'}),
     ('pulse_counter', pulses(condition='True'), 8, {'is_quiet': 'stays_on'}),
+    (
+        'pulse_counter',
+        pulses(condition='state[0] and time.monotonic() - state[0] > 1', end=LATE),
+        6,
+        {'keeps_its_rhythm': 'begins_late'},
+    ),
+    (
+        'pulse_counter',
+        pulses(condition='False') + 'node.create_timer(5.0, lambda: None)',
+        6,
+        {'keeps_its_rhythm': ''},
+    ),
+    ('pulse_counter', pulses(end='return request'), 4, UNANSWERED),
     ('pulse_counter', pulses(period=1.0), 6, {'keeps_its_rhythm': 'wrong_rate'}),
     ('pulse_counter', pulses(period='5.0'), 6, {'keeps_its_rhythm': 'wrong_rate'}),
     (
@@ -153,7 +169,7 @@ def test_program_gets_its_points_and_its_cause(name, body, points, causes):
 
 @pytest.mark.parametrize('name', ['speed_limiter', 'lamp', 'debouncer', 'pulse_counter'])
 def test_inputs_tell_each_mistake_from_the_others(name):
-    """``release check`` requires this of every exam."""
+    """``release --check`` requires this of every exam."""
     exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam
 
     assert [one for asked in exam.asks.values() for one in asked.mistakes()] == []

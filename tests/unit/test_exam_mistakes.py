@@ -302,16 +302,23 @@ class TestBeforeItIsUsed:
 
 DOUBLES = Specification([1, 2], each(lambda one: (2 * one,)))
 WRONG_CLAIMS = [
-    (hears('/in', STRING), "a topic on which the scenario publishes ('/ask'), got '/in'"),
+    (hears('/in', STRING), "a topic on which a Feed publishes ('/ask'), got '/in'"),
     (
         publishes('doubles', '/anser'),
         "a topic that the scenario watches ('/answer'), got '/anser'",
     ),
     (publishes('double', '/answer'), "a specification of Exam(asks=...) ('doubles'"),
     (
-        one_for_one('few', '/answer'),
-        "an input of 'few' for each of the 2 messages that the scenario sends, got 1",
+        one_for_one('many', '/answer'),
+        "'many' has 3 inputs, more than the messages in the scenario (2)",
     ),
+    (
+        answers('calls', '/a/set'),
+        "'calls' has 2 inputs, more than the calls of /a/set in the scenario (1)",
+    ),
+    (serves('/a/set', 'std_srvs/srv/SetBool'), "the type of /a/set in the scenario ('rcl_interf"),
+    (serves('/a/set', SET), 'a service of the exercise, got one that each node has'),
+    (beats('/answer', 2.0, 'on'), "the phase 'on' lasts 4 s; expected at least 6 s"),
     (
         one_for_one('bare', '/answer'),
         "a tuple with a value per message as each answer of 'bare', got",
@@ -332,7 +339,8 @@ def test_claim_that_the_exam_cannot_answer_is_refused(judge, said):
     """Otherwise a correct program would fail."""
     asks = {
         'doubles': DOUBLES,
-        'few': Specification([1], DOUBLES.due),
+        'many': Specification([1, 2, 3], DOUBLES.due),
+        'calls': Specification([1, 2], each(lambda one: {'data': one})),
         'bare': Specification([1, 2], each(lambda one: one)),
     }
     steps = (Mark('on'), feed('/ask', {'data': '1'}, {'data': '2'}), Call('/a', 'set', SET))

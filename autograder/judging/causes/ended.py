@@ -113,7 +113,8 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
     for end in recording.endpoints(kind, topic):
         if end['type'] != type_name:
             return cause_of('wrong_type', kind=kind, topic=topic, seen=end['type'], wanted=wanted)
-    if why := _why_longer_name(run, kind, topic, type_name):
+    private = kind == 'service' and topic.count('/') > 1  # such as /lamp/switch of the node lamp
+    if not private and (why := _why_longer_name(run, kind, topic, type_name)):
         return why
     # An endpoint on another topic of the exam is not this endpoint with a misspelt name.
     right = run.names.of_kind(kind)
@@ -124,14 +125,14 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         return cause_of('wrong_direction', kind=kind, topic=topic, other=other)
     same_type = (end['topic'] for end in ends if end['type'] == type_name)
     near = near or next(same_type, '')
-    if near and topic.endswith(near):
+    if near and topic.endswith(near) and not private:
         space = topic.removesuffix(near)
         return cause_of('absolute_name', kind=kind, near=near, space=space, base=near[1:])
     if near:
         # The code should write the name without the namespace of the node.
         spaces = [name.rpartition('/')[0] + '/' for name in recording.nodes]
         space = max((one for one in spaces if topic.startswith(one)), default='/')
-        written = topic.removeprefix(space)
+        written = f'~/{base}' if private else topic.removeprefix(space)
         noun = 'name' if kind == 'service' else 'topic'
         words: dict[str, Any] = {'near': near, 'topic': topic, 'wanted': written}
         return cause_of('topic_name', kind=kind, noun=noun, **words)
