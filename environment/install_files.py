@@ -23,10 +23,12 @@ AUTOSAVE_S = 10
 STYLE = """\
 /* Written by the set-up. JupyterLab breaks lines of output in the middle of words. */
 body .jp-OutputArea-output pre { word-break: normal; overflow-wrap: anywhere; }
-/* JupyterLab's yellow is too pale and its red too dark: mix them with the colour of the text. */
+/* JupyterLab's yellow and red are too pale or too dark: mix them with the colour of the text. */
 body .jp-OutputArea-output { --mix: in srgb, var(--jp-content-font-color1); }
 body .jp-OutputArea-output pre .ansi-yellow-fg { color: color-mix(var(--mix), #ddb62b); }
-body .jp-OutputArea-output pre .ansi-red-intense-fg { color: color-mix(var(--mix), #e75c58); }
+body .jp-OutputArea-output pre :is(.ansi-red-fg, .ansi-red-intense-fg) {
+  color: color-mix(var(--mix), #e75c58);
+}
 /* JupyterLab holds only the active cell in place while it draws others; a link selects a cell. */
 body .jp-Notebook .jp-Cell.jp-mod-selected { overflow-anchor: auto; }
 """
