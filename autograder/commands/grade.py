@@ -211,7 +211,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, console: Console) -> P
 def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
     known = layout.assignments()
     if not known:
-        raise UsageError('notebooks/ contains no assignments. Try: autograder release')
+        raise UsageError('notebooks/ contains no assignments. Try: .venv/bin/autograder release')
     return known if chosen is None else (layout.assignment_named(chosen),)
 
 

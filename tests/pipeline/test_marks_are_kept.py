@@ -103,7 +103,7 @@ class TestPoints:
         assert capsys.readouterr().err == (
             f'autograder: solutions/{ASSIGNMENT}/{NOTEBOOK}, cell {CHECK}: 15 points, but the '
             'exam gives 17. No mark was changed. Try: give the cell and the exam the same points, '
-            'then autograder release\n'
+            'then .venv/bin/autograder release\n'
         )
         assert scores(here, 'ann')[CHECK] == 15
         assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
@@ -114,7 +114,8 @@ class TestPoints:
         give_points(here.solutions, 17)
 
         assert grade() == command.USAGE
-        assert capsys.readouterr().err.endswith('No mark was changed. Try: autograder release\n')
+        fix = 'No mark was changed. Try: .venv/bin/autograder release\n'
+        assert capsys.readouterr().err.endswith(fix)
 
         give_points(here.notebooks, 17)
         assert grade() == OK
