@@ -345,12 +345,12 @@ class Grading:
             some = ' (new, changed or for review)' if len(shown) < len(everybody) else ''
             print_table(console, assignment + some, shown, read_people(layout), refused)
             console.print(summary, markup=False)
-            absent = [one for one in missing if one.status not in TO_GRADE]
-            if names := [one.person or one.student for one in absent]:
-                said = f'Nothing to grade yet from: {first_of(names, MAX_NAMED)}.'
-                console.print(printable(said), markup=False)
         else:
             console.print(f'{assignment}: {summary}', markup=False)
+        absent = [one for one in missing if one.status not in TO_GRADE]
+        if names := [one.person or one.student for one in absent]:
+            said = f'Nothing to grade yet from: {first_of(names, MAX_NAMED)}.'
+            console.print(printable(said), markup=False)
         if where:
             console.print(f'Reports: {where}', soft_wrap=True)
         return unwritten

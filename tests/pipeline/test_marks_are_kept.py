@@ -333,6 +333,7 @@ class TestSummary:
         assert grade() == OK
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 3 submissions in ')
+        assert '\nNothing to grade yet from: zoe.\n' in said
         assert not [line for line in said.splitlines() if line.startswith('│')]
 
     def test_written_answers_and_unknown_assignments_are_named(self, here, capsys):
