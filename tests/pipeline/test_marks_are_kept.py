@@ -336,6 +336,26 @@ class TestSummary:
         assert '\nNothing to grade yet from: zoe.\n' in said
         assert not [line for line in said.splitlines() if line.startswith('│')]
 
+    def test_after_an_interruption_results_in_the_gradebook_are_shown(
+        self, here, capsys, monkeypatch
+    ):
+        """The interrupted grading has entered them, but shown none."""
+
+        def interrupted(*_):
+            raise KeyboardInterrupt
+
+        hand_in(here, 'bob')
+        with monkeypatch.context() as patch:
+            patch.setattr(grading.LiveEntry, 'counts', interrupted)
+            grade()
+        capsys.readouterr()
+
+        assert grade() == OK
+        said = capsys.readouterr().out
+        rows = [line for line in said.splitlines() if line.startswith('│')]
+        assert ['bob' in rows[0], 'ann' in ''.join(rows)] == [True, False]
+        assert 'Gradebook: 0 entered, 2 unchanged.' in ' '.join(said.split())
+
     def test_written_answers_and_unknown_assignments_are_named(self, here, capsys):
         with book(here) as gradebook:
             gradebook.update_or_create_assignment('7_temperature_monitor', duedate='2026-12-01')
