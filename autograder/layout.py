@@ -185,7 +185,8 @@ class Layout:
         found = sorted((self.notebooks / assignment).glob('*.ipynb'))
         if not found:
             raise FileNotFoundError(
-                f'notebooks/{assignment}/: there is no released notebook. Try: autograder release'
+                f'notebooks/{assignment}/: there is no released notebook. '
+                'Try: .venv/bin/autograder release'
             )
         return found[0]
 

@@ -108,7 +108,7 @@ class CheckResult:
 @dataclass(frozen=True)
 class ExamResult:
     """
-    All verdicts of one exam on one submission.
+    All verdicts of one exam on one submission; neither timing nor pictures are compared.
 
     :param checks: in the order of the exam
     :param note: one sentence about the whole run; may be empty
@@ -127,10 +127,10 @@ class ExamResult:
     note: str = ''
     mode: str = ''
     flags: tuple[str, ...] = ()
-    timing: Mapping[str, float] = field(default_factory=dict)
+    timing: Mapping[str, float] = field(default_factory=dict, compare=False)
     recording: str = ''
     not_protected: tuple[str, ...] = ()
-    pictures: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    pictures: Mapping[str, Mapping[str, Any]] = field(default_factory=dict, compare=False)
 
     @property
     def points(self) -> float:

@@ -43,7 +43,7 @@ def drift(layout: Layout) -> Iterator[str]:
             got = 'different content' if name in wanted and name in there else 'none'
             expected = 'the release of solutions/' if name in wanted else 'no such file'
             got = got if name in wanted else 'a file'
-            fix = 'autograder release' if name in wanted else 'remove it'
+            fix = '.venv/bin/autograder release' if name in wanted else 'remove it'
             yield f'notebooks/{name}: expected {expected}, got {got}. Try: {fix}.'
 
 

@@ -21,6 +21,7 @@ import tempfile
 from typing import Any
 
 from autograder.errors import GraderError
+from autograder.exam.inputs import fingerprint_file
 from autograder.files import refuse_existing, write_atomically
 from autograder.layout import Layout
 from autograder.results import first_of
@@ -203,7 +204,12 @@ def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int
 
 
 def remove_sample_class(layout: Layout) -> int:
-    """Remove the sample students before the first real class; return their number."""
+    """
+    Remove the sample students before the first real class; return their number.
+
+    If nobody else was graded, the class may have a different course secret.
+    """
+    from autograder.gradebook.journal import read_notes
     from autograder.gradebook.record import remove_entries
 
     names = {path.name for one in layout.assignments() for path in samples(layout, one, True)}
@@ -215,4 +221,6 @@ def remove_sample_class(layout: Layout) -> int:
                 gone.add(name)
     if gone:
         remove_entries(layout, names)
+        if not any(read_notes(layout, one) for one in layout.assignments()):
+            fingerprint_file(layout).unlink(missing_ok=True)
     return len(gone)

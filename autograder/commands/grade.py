@@ -22,7 +22,7 @@ from autograder.authoring.sample_class import write_sample_class
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import extensions, not_listed, read_people
-from autograder.classroom.results_of_class import modes, results_of_others
+from autograder.classroom.results_of_class import last_results, modes, results_of_others
 from autograder.classroom.standing import (
     collected_digests,
     MISSING,
@@ -211,7 +211,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, console: Console) -> P
 def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
     known = layout.assignments()
     if not known:
-        raise UsageError('notebooks/ contains no assignments. Try: autograder release')
+        raise UsageError('notebooks/ contains no assignments. Try: .venv/bin/autograder release')
     return known if chosen is None else (layout.assignment_named(chosen),)
 
 
@@ -271,6 +271,9 @@ class Grading:
         others: Sequence[SubmissionResult] = ()
         if self.submitted.resolve() != layout.submitted.resolve():
             others = results_of_others(layout, assignment, {one.student for one in class_})
+        before: Sequence[SubmissionResult] = ()
+        with suppress(GraderError):  # Damaged results are replaced.
+            before = last_results(layout, assignment)
         # Read before the runs: work that changes during the grading counts as changed.
         collected = collected_digests(layout, assignment)
         entry = LiveEntry(layout, lesson, self.guard)
@@ -292,9 +295,7 @@ class Grading:
             *self._about_others(results, others),
         ]
         shown = [
-            one
-            for one in results
-            if one.review or one.student in entry.changed or not self.engine.hidden
+            one for one in results if one.review or one not in before or not self.engine.hidden
         ]
         unwritten = self._report(assignment, (*results, *others), shown, ' '.join(parts))
         for line in lowered if len(lowered) > MAX_NAMED else ():
@@ -345,12 +346,12 @@ class Grading:
             some = ' (new, changed or for review)' if len(shown) < len(everybody) else ''
             print_table(console, assignment + some, shown, read_people(layout), refused)
             console.print(summary, markup=False)
-            absent = [one for one in missing if one.status not in TO_GRADE]
-            if names := [one.person or one.student for one in absent]:
-                said = f'Nothing to grade yet from: {first_of(names, MAX_NAMED)}.'
-                console.print(printable(said), markup=False)
         else:
             console.print(f'{assignment}: {summary}', markup=False)
+        absent = [one for one in missing if one.status not in TO_GRADE]
+        if names := [one.person or one.student for one in absent]:
+            said = f'Nothing to grade yet from: {first_of(names, MAX_NAMED)}.'
+            console.print(printable(said), markup=False)
         if where:
             console.print(f'Reports: {where}', soft_wrap=True)
         return unwritten

@@ -208,15 +208,13 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
 
 
 def account_text(account: Account) -> str:
-    """Return the students whose points change, the reasons and a summary as plain text."""
-    rows, lines, changed = account['submissions'], [], 0
+    """Return the students with a changed check, the reasons and a summary as plain text."""
+    rows, lines = account['submissions'], []
     for one in rows:
-        new = abs(one['after'] - one['before']) > 1e-9
-        changed += new
-        if new:
+        if one['changed']:
             after = f'{number(one["after"])} of {number(one["max_points"])} points'
             lines.append(f'{one["student"]}: {number(one["before"])} -> {after}')
-        for change in one['changed'] if new else ():
+        for change in one['changed']:
             was, now = change['before'], change['after']
             points = (
                 f'{number(change["points_before"])} -> {number(change["points_after"])} points'
@@ -229,6 +227,7 @@ def account_text(account: Account) -> str:
             lines.append(f'{one["student"]}: {said}')
     lines += [f'lower mark in the gradebook: {mark}' for mark in account['lowered']]
     judged = sum(not one['kept'] for one in rows)
+    changed = sum(bool(one['changed']) for one in rows)
     advice = 'Nothing was written.' + (' Try: --write' if changed else '')
     each = 1000 * account['seconds'] / max(1, len(rows))
     lines.append(

@@ -77,7 +77,7 @@ def fingerprint_file(layout: Layout) -> Path:
 def refuse_other_secret(layout: Layout) -> None:
     """Raise a GraderError if the class was graded with a different course secret."""
     path = fingerprint_file(layout)
-    if path.is_file() and path.read_bytes().strip() != _fingerprint():
+    if path.is_file() and path.read_bytes().strip() != _fingerprint(course_secret()):
         where = 'COURSE_SECRET' if 'COURSE_SECRET' in os.environ else layout.secret
         raise _refusal(layout, f'{where}: this class was graded with a different course secret.')
 
@@ -86,12 +86,12 @@ def keep_secret(layout: Layout) -> None:
     """Store the fingerprint of the course secret for a class; refuse a different secret."""
     refuse_other_secret(layout)
     if not fingerprint_file(layout).is_file():
-        write_atomically(fingerprint_file(layout), _fingerprint() + b'\n')
+        write_atomically(fingerprint_file(layout), _fingerprint(course_secret()) + b'\n')
 
 
-def _fingerprint() -> bytes:
-    """Return a digest that identifies the course secret but does not reveal it."""
-    return hmac.new(course_secret(), b'fingerprint', hashlib.sha256).hexdigest().encode()
+def _fingerprint(secret: bytes) -> bytes:
+    """Return a digest that identifies a course secret but does not reveal it."""
+    return hmac.new(secret, b'fingerprint', hashlib.sha256).hexdigest().encode()
 
 
 def _refusal(layout: Layout, what: str) -> GraderError:
@@ -100,10 +100,11 @@ def _refusal(layout: Layout, what: str) -> GraderError:
     if not path.exists():
         fix = 'set a value, or remove the empty one; the grader then creates a secret.'
     else:
-        fix = (
-            f'restore {layout.secret} from a backup, or set COURSE_SECRET to the former value. '
-            f'To grade everybody again with new inputs, remove {path}. No mark was changed.'
-        )
+        fix = f'restore {layout.secret} from a backup, or set COURSE_SECRET to the former value'
+        stored = layout.secret.read_bytes() if layout.secret.is_file() else b''
+        if path.read_bytes().strip() == _fingerprint(stored):
+            fix = 'unset COURSE_SECRET'
+        fix += f'. To grade everybody again with new inputs, remove {path}. No mark was changed.'
     return GraderError(what, f'Try: {fix}')
 
 

@@ -41,11 +41,16 @@ FILE_ADVICE = {
     **dict.fromkeys(INCOMPLETE, 'put a complete copy of the file in its place'),
 }
 """Advice for a gradebook file that fails, by a part of SQLite's error message."""
-WRITTEN = """
-select count(*) from grade join base_cell on base_cell.id = grade.cell_id
-where grade.needs_manual_grade and base_cell.name not like :check
+WAITING = """
+select assignment.name, submitted_assignment.student_id, base_cell.name
+from grade
+join base_cell on base_cell.id = grade.cell_id
+join submitted_notebook on submitted_notebook.id = grade.notebook_id
+join submitted_assignment on submitted_assignment.id = submitted_notebook.assignment_id
+join assignment on assignment.id = submitted_assignment.assignment_id
+where grade.needs_manual_grade
 """
-"""Count the written answers without a mark; a check cell without one is *for review*."""
+"""Select the cells without a mark: written answers, and check cells *for review*."""
 WITHOUT_WORK = """
 select name from assignment where not exists (
     select 1 from submitted_assignment where submitted_assignment.assignment_id = assignment.id)
@@ -162,16 +167,6 @@ def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -
         return gradebook.execute(statement, values).all()
 
 
-WAITING = """
-select distinct submitted_assignment.student_id
-from grade
-join submitted_notebook on submitted_notebook.id = grade.notebook_id
-join submitted_assignment on submitted_assignment.id = submitted_notebook.assignment_id
-join assignment on assignment.id = submitted_assignment.assignment_id
-where grade.needs_manual_grade and assignment.name = :assignment
-"""
-
-
 def to_grade_by_hand(
     layout: Layout, assignment: str, results: Iterable[SubmissionResult]
 ) -> list[str]:
@@ -182,16 +177,16 @@ def to_grade_by_hand(
     """
     rows: Sequence[Any] = ()
     with suppress(GraderError):
-        rows = query(layout, text(WAITING), assignment=assignment)
-    waiting = {str(student) for (student,) in rows}
+        rows = query(layout, text(WAITING))
+    waiting = {str(student) for name, student, _ in rows if name == assignment}
     return [one.student for one in results if has_mark(one) and one.student in waiting]
 
 
 def notes_for_instructor(layout: Layout) -> list[str]:
     """Return sentences about answers that wait for a mark, and about unknown assignments."""
     notes = []
-    rows = query(layout, text(WRITTEN), check=f'{CHECK_PREFIX}%')
-    if written := sum(count for (count,) in rows):
+    rows = query(layout, text(WAITING))
+    if written := sum(not cell.startswith(CHECK_PREFIX) for _, _, cell in rows):
         notes.append(
             f'Written answers to mark: {written}. Try: make lab, Nbgrader > Formgrader > Manual '
             'Grading'

@@ -193,15 +193,10 @@ class LiveEntry:
             return len(self.entered) + len(self.waiting), why
         return len(self.entered), ''
 
-    @property
-    def changed(self) -> set[str]:
-        """Return the students whose results were not in the gradebook before."""
-        protected = self.guard.lowered.get(self.lesson.assignment, {})
-        return {*self.entered, *protected, *(one.result.student for one in self.waiting)}
-
     def counts(self, graded: Sequence[Graded]) -> str:
         """Return how many of the results were entered, and how many were in the gradebook."""
-        changed = self.changed
+        protected = self.guard.lowered.get(self.lesson.assignment, {})
+        changed = {*self.entered, *protected, *(one.result.student for one in self.waiting)}
         unchanged = sum(
             one.submission.recordable and one.result.student not in changed for one in graded
         )

@@ -161,9 +161,10 @@ def points_mismatches(notebook: Notebook, where: str, exams: Sequence[Exam]) -> 
 
 def refuse_unfit_points(layout: Layout, lesson: Lesson) -> None:
     """Raise an ExamInvalid that names each check cell whose points differ from its exam."""
+    release = '.venv/bin/autograder release'
     for folder, fix in (
-        (layout.solutions, 'give the cell and the exam the same points, then autograder release'),
-        (layout.notebooks, 'autograder release'),
+        (layout.solutions, f'give the cell and the exam the same points, then {release}'),
+        (layout.notebooks, release),
     ):
         path = folder / lesson.assignment / lesson.notebook
         if not path.is_file():

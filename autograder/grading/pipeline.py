@@ -93,7 +93,8 @@ def load_lesson(layout: Layout, assignment: str, engine: Engine | None = None) -
         answer_files(release)
     except (OSError, ValueError) as error:
         raise ExamInvalid(
-            f'The release of {assignment} cannot be used: {error}', 'Try: autograder release'
+            f'The release of {assignment} cannot be used: {error}',
+            'Try: .venv/bin/autograder release',
         ) from error
     from autograder.exam.catalog import for_assignment
 

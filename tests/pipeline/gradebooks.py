@@ -16,10 +16,12 @@ from autograder.classroom.standing import GRADED
 from autograder.collect.course import due_dates
 from autograder.commands.forget import student_with_data, traces
 from autograder.errors import GraderError
+from autograder.exam.inputs import fingerprint_file, keep_secret
 from autograder.exports.marks import from_gradebook
 from autograder.gradebook import journal
 from autograder.gradebook.database import gradebook_file, load_config
 from autograder.gradebook.live_entry import begin_to_enter, enter, Guard
+from autograder.gradebook.record import remove_entries
 from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
@@ -323,7 +325,11 @@ def names_students(course: Layout) -> None:
 
 
 def lets_the_sample_students_go(course: Layout) -> None:
-    """The first real class replaces the sample students, and no other student is removed."""
+    """
+    The first real class replaces the sample students, and no other student is removed.
+
+    The course secret is kept as long as somebody else was graded with it.
+    """
     sample = course.sample_class / ASSIGNMENT / 'pass__sample'
     sample.mkdir(parents=True, exist_ok=True)
     (sample / 'expected.json').write_text('{}', encoding='utf-8')
@@ -332,8 +338,10 @@ def lets_the_sample_students_go(course: Layout) -> None:
     grade(course)
     there = [SubmissionResult(one, ASSIGNMENT) for one in ('ann', 'pass__sample')]
     write_all_reports(course, ASSIGNMENT, there)
+    keep_secret(course)
 
     assert remove_sample_class(course) == 1
+    assert fingerprint_file(course).exists()
     assert not (course.submitted / 'pass__sample').exists()
     assert [one.student for one in last_results(course, ASSIGNMENT)] == ['ann']
     assert not list(course.reports.glob('*/students/pass__*'))
@@ -345,7 +353,9 @@ def lets_the_sample_students_go(course: Layout) -> None:
 
     (course.submitted / 'pass__sample').mkdir()
     write_all_reports(course, ASSIGNMENT, there[1:])
+    remove_entries(course, ['ann'])
     assert remove_sample_class(course) == 1
+    assert not fingerprint_file(course).exists()
     assert not results_file(course, ASSIGNMENT).exists()
 
 

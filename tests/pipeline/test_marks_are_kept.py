@@ -103,7 +103,7 @@ class TestPoints:
         assert capsys.readouterr().err == (
             f'autograder: solutions/{ASSIGNMENT}/{NOTEBOOK}, cell {CHECK}: 15 points, but the '
             'exam gives 17. No mark was changed. Try: give the cell and the exam the same points, '
-            'then autograder release\n'
+            'then .venv/bin/autograder release\n'
         )
         assert scores(here, 'ann')[CHECK] == 15
         assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
@@ -114,7 +114,8 @@ class TestPoints:
         give_points(here.solutions, 17)
 
         assert grade() == command.USAGE
-        assert capsys.readouterr().err.endswith('No mark was changed. Try: autograder release\n')
+        fix = 'No mark was changed. Try: .venv/bin/autograder release\n'
+        assert capsys.readouterr().err.endswith(fix)
 
         give_points(here.notebooks, 17)
         assert grade() == OK
@@ -332,7 +333,28 @@ class TestSummary:
         assert grade() == OK
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 3 submissions in ')
+        assert '\nNothing to grade yet from: zoe.\n' in said
         assert not [line for line in said.splitlines() if line.startswith('│')]
+
+    def test_after_an_interruption_results_in_the_gradebook_are_shown(
+        self, here, capsys, monkeypatch
+    ):
+        """The interrupted grading has entered them, but shown none."""
+
+        def interrupted(*_):
+            raise KeyboardInterrupt
+
+        hand_in(here, 'bob')
+        with monkeypatch.context() as patch:
+            patch.setattr(grading.LiveEntry, 'counts', interrupted)
+            grade()
+        capsys.readouterr()
+
+        assert grade() == OK
+        said = capsys.readouterr().out
+        rows = [line for line in said.splitlines() if line.startswith('│')]
+        assert ['bob' in rows[0], 'ann' in ''.join(rows)] == [True, False]
+        assert 'Gradebook: 0 entered, 2 unchanged.' in ' '.join(said.split())
 
     def test_written_answers_and_unknown_assignments_are_named(self, here, capsys):
         with book(here) as gradebook:

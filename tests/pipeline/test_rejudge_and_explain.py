@@ -160,7 +160,7 @@ class TestRejudge:
         assert changed['readings_are_plausible']['after'] == 'no such check'
         assert 'starts_its_node' not in changed
 
-    def test_only_students_whose_points_change_are_listed(self):
+    def test_only_students_with_a_changed_check_are_listed(self):
         """A check that now waits for another one has no expected and observed behaviour."""
 
         def result(*checks):
@@ -182,15 +182,18 @@ class TestRejudge:
                 'kept': '',
                 'changed': list(changes(before, after)),
             }
-            for student, after in (('ann', same), ('bob', less))
+            for student, after in (('ann', same), ('bob', less), ('cho', before))
         ]
         account = {'assignment': '01', 'seconds': 0.0, 'written': '', 'lowered': []}
 
-        head, says, runs, summary = account_text({**account, 'submissions': rows}).splitlines()
+        lines = account_text({**account, 'submissions': rows}).splitlines()
+        same_points, says, head, *says_too, runs, summary = lines
+        assert same_points == 'ann: 3 -> 3 of 6 points'
+        assert says_too == [says]
         assert head == 'bob: 3 -> 2 of 6 points'
         assert says == '  e/says: FAILED -> NOT_RUN, 0 -> 0 points; it waits for runs'
         assert runs == '  e/runs: PASSED -> FAILED, 3 -> 2 points; previous result: PASSED'
-        assert summary.endswith('; 1 changed. Nothing was written. Try: --write')
+        assert summary.endswith('; 2 changed. Nothing was written. Try: --write')
 
     def test_another_scenario_needs_another_run(self, layout, now):
         now(build(21, 0.07, 1.25, 20.0))

@@ -88,6 +88,14 @@ def test_a_class_that_was_graded_keeps_its_secret(monkeypatch, secret):
     monkeypatch.setenv('COURSE_SECRET', former.decode())
     inputs.course_secret.cache_clear()
     inputs.refuse_other_secret(layout)
+
+    secret.write_bytes(former)
+    monkeypatch.setenv('COURSE_SECRET', 'another')
+    inputs.course_secret.cache_clear()
+    with pytest.raises(GraderError, match=r'Try: unset COURSE_SECRET\. To grade everybody again'):
+        inputs.refuse_other_secret(layout)
+
+    secret.write_bytes(b'short')
     monkeypatch.delenv('COURSE_SECRET')
     noted.unlink()
     inputs.course_secret.cache_clear()
