@@ -113,7 +113,9 @@ class Bounds(NamedTuple):
             return 'an absolute path'
         if {'', '.', '..'} & set(parts):
             return 'a path that leads out of the folder'
-        if not readable or not path.isprintable() or '\\' in path:
+        if '\\' in path:
+            return 'a name with a backslash'
+        if not readable or not path.isprintable():
             return 'a name with unprintable characters'
         if len(path) > self.name_chars:
             return 'a path that is far too long'

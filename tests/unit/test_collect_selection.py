@@ -175,7 +175,10 @@ class TestTheRightOne:
                 GOOD,
                 (
                     CHOSEN.format(
-                        f'old/{TALK}/x.ipynb', 'talk.ipynb', 'it has the most', 'x.ipynb'
+                        f'old/{TALK}/x.ipynb',
+                        'talk.ipynb',
+                        'it has the most',
+                        f'old/{TALK}/x.ipynb',
                     ),
                     "the file was called 'x.ipynb'",
                 ),
@@ -261,7 +264,7 @@ HOSTILE = {
 
 
 class TestPackedWork:
-    """Notebooks in zip files, or with another ending, are found if there is no other."""
+    """Notebooks in zip files, or with another ending, are found if no other has the answers."""
 
     DEEP = zipped({'c.zip': zipped({'b.zip': zipped({'talk.ipynb': GOOD})})})
 
@@ -342,6 +345,33 @@ class TestPackedWork:
 
         assert row.notes == ()
         assert list(taken(layout).values()) == [notebook('talker')]
+
+    @pytest.mark.parametrize('name', ['notes.ipynb', 'talk.ipynb'])
+    def test_answers_in_a_zip_next_to_other_work_are_found(self, name, gather, layout):
+        gather({f'ann/{name}': OWN, 'ann/lesson.zip': zipped({'talk.ipynb': GOOD})})
+
+        assert list(taken(layout).values()) == [GOOD]
+
+    def test_a_damaged_zip_next_to_other_work_is_reported(self, gather):
+        (row,) = gather({'ann/notes.ipynb': OWN, 'ann/lesson.zip': b'PK'}, assignment=TALK)
+
+        assert row.done == LEFT
+        assert any('lesson.zip: a damaged zip file' in note for note in row.notes)
+
+    def test_one_zip_too_many_is_reported(self, gather):
+        files = {f'ann/{n:02}.zip': zipped({'x.pdf': b'%PDF'}) for n in range(11)}
+
+        (row,) = gather(files)
+
+        assert row.notes == ('10.zip: not opened: only the first 10 zip files are opened',)
+
+    def test_of_equal_names_in_two_zips_the_path_says_which(self, gather):
+        files = {f'ann/{name}.zip': zipped({'talk.ipynb': GOOD}) for name in 'ab'}
+
+        (row,) = gather(files)
+
+        equal = 'a.zip/talk.ipynb', 'b.zip/talk.ipynb', 'they have equally many'
+        assert row.notes == (CHOSEN.format(*equal, 'a.zip/talk.ipynb'),)
 
     def test_a_large_file_in_a_zip_is_refused(self, gather, monkeypatch):
         bounds = deliveries.IN_ZIP._replace(file_bytes=len(GOOD) - 1)
