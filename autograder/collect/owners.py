@@ -17,7 +17,7 @@ In nbgrader's exchange, every user of the machine can create a folder in ``inbou
 after any student, and nbgrader leaves the folder writable for all users.  So the name proves
 nothing.  But the file system records the owner of the folder and of each file in it, and a student
 cannot change the owner.  The owner must be the student: the user of the same name, or the user
-that ``c.ExchangeCollect.owners`` in ``nbgrader_config.py`` assigns to the student.
+that ``c.ExchangeCollect.owners`` in the settings of the class assigns to the student.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
