@@ -37,7 +37,9 @@ def class_list(layout: Layout) -> dict[str, str]:
         student = _student(where, row)
         if student in found:
             raise GraderError(
-                f'{where}: {student} is in the list twice.', 'Try: delete one of the two lines'
+                f'{where}: {student} is in the list twice.',
+                'Try: delete one of the two lines; if these are two people, add an id to both '
+                'names, as to the names of their folders (docs/collect.md)',
             )
         found[student] = row.get('name', '').strip()
     return found
@@ -45,7 +47,8 @@ def class_list(layout: Layout) -> dict[str, str]:
 
 def _listed(row: Mapping[str, str]) -> Mapping[str, str]:
     """Return a row with the columns of a class list, empty if it is no student's."""
-    if 'name' not in row and {'student', 'id', 'section'} <= row.keys():  # Canvas's gradebook
+    from_canvas = any(column.startswith('sis ') for column in row)
+    if from_canvas and 'name' not in row and {'student', 'id', 'section'} <= row.keys():
         last, _, first = row['student'].strip().partition(', ')
         absent = not row['id'].strip() or (last, first) == ('Student', 'Test')
         return {} if absent else {'student': row['id'], 'name': f'{first} {last}'.strip()}

@@ -9,7 +9,7 @@ in the table reports this.  The replaced notebook is kept in a folder that nbgra
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 import os
@@ -77,17 +77,23 @@ def collect(
             assignment = most_common_assignment(notebooks.values(), course, tree.name)
             for one in found:
                 one.assignment = assignment
-        before = read_collected(layout)
+        before, home = read_collected(layout), to.resolve() == layout.submitted.resolve()
+        turns = {(one.student, one.assignment): one.turn for one in before}
         shared = check_names(found, before, trust_names)
         chosen, others = choose(notebooks, course, single)
-        done = [(one, _take(one, course, to, write)) for one in _with_turns(chosen, before)]
+        placed = _with_turns(chosen, turns if home else {})
+        done = [(one, _take(one, course, to, write)) for one in placed]
         rows = [*_refused(tree), *unknown, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         works = [*(Work(student, shared=True) for student in shared), *_collected(done, kind)]
-        if to.resolve() == layout.submitted.resolve():
+        if home:
             works += _not_collected(rows, layout)
+        else:  # The saved turns are those of the notebooks in submitted/.
+            works = [
+                replace(one, turn=turns.get((one.student, one.assignment), '')) for one in works
+            ]
         try:
             save_collected(layout, works)
         except OSError as error:
@@ -96,12 +102,13 @@ def collect(
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
-def _with_turns(chosen: Iterable[Chosen], before: Iterable[Work]) -> Iterator[Chosen]:
+def _with_turns(
+    chosen: Iterable[Chosen], turns: Mapping[tuple[str, str], str]
+) -> Iterator[Chosen]:
     """Yield the selected notebooks, each with the turn of the copy that it would replace."""
-    turns = {(one.student, one.assignment): one.turn for one in before if one.turn.isdecimal()}
     for one in chosen:
-        turn = turns.get((one.row.student, one.row.assignment), '0')
-        yield one._replace(turn_there=int(turn))
+        turn = turns.get((one.row.student, one.row.assignment), '')
+        yield one._replace(turn_there=int(turn) if turn.isdecimal() else 0)
 
 
 def _unwritable(error: OSError) -> str:

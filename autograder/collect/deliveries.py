@@ -161,22 +161,30 @@ class Delivery:
         return tuple(dict.fromkeys(one.place for one in self.files)) or (self.place,)
 
 
-def notebooks_in(files: Sequence[DeliveredFile], levels: int = 2) -> list[DeliveredFile]:
+def notebooks_in(
+    files: Sequence[DeliveredFile], zips: bool = False, levels: int = 2
+) -> list[DeliveredFile]:
     """
     Return the notebooks among the files of one entry.
 
     If there are none, zip files are opened, and if these have none either, all JSON files are
     returned.  A zip file that cannot be opened is returned too: reading it raises the reason.
 
+    :param zips: whether to open zip files even if there are notebooks
     :param levels: how many zip files may be inside each other
     """
-    if found := [one for one in files if NOTEBOOK.search(one.file.name)]:
+    found = [one for one in files if NOTEBOOK.search(one.file.name)]
+    if found and not zips:
         return found
-    zips = [one for one in files if one.file.name.lower().endswith(ZIP)][:MAX_ZIPS]
-    for one in zips if levels else ():
+    packed = [one for one in files if one.file.name.lower().endswith(ZIP)]
+    for count, one in enumerate(packed if levels else ()):
         try:
+            if count >= MAX_ZIPS:
+                raise UnreadableError(
+                    f'not opened: only the first {MAX_ZIPS} zip files are opened'
+                )
             inside = [one._replace(file=file) for file in files_in_zip(one.file, IN_ZIP)]
-            found += notebooks_in(inside, levels - 1)
+            found += notebooks_in(inside, levels=levels - 1)
         except UnreadableError as error:
             found.append(one._replace(file=one.file._replace(read=partial(refuse, str(error)))))
     return found or [one for one in files if one.file.name.lower().endswith('.json')]

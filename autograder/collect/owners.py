@@ -9,14 +9,15 @@ and no other activity has (table ``assign_user_mapping``).  The numbers are save
 export may contain the work of only one of the two.  So a known number is enough to recognise a
 student whose folder was renamed earlier.  A known name with a new number is a different person,
 or the same person in a second activity for the same work, such as one for late work.  If most
-students of an export are known and have new numbers, it is a second activity.  Two people with the
-same name who never hand in the same assignment are not detected.
+students of an export are known and have new numbers, it is a second activity; a note reports each
+of them, because one may still be a different person.  Two people with the same name who never hand
+in the same assignment are not detected.
 
 In nbgrader's exchange, every user of the machine can create a folder in ``inbound/`` and name it
 after any student, and nbgrader leaves the folder writable for all users.  So the name proves
 nothing.  But the file system records the owner of the folder and of each file in it, and a student
 cannot change the owner.  The owner must be the student: the user of the same name, or the user
-that ``c.ExchangeCollect.owners`` in ``nbgrader_config.py`` assigns to the student.
+that ``c.ExchangeCollect.owners`` in the settings of the class assigns to the student.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -50,14 +51,18 @@ def check_names(
     shared |= {one.id for one in renamed}
     refused = {*shared, *(one.student for one in before if one.shared)}
     new = {one.number for one in numbered if _is_new(one, earlier)}
-    trust |= 2 * len(new) > len({one.number for one in numbered}) > 1
+    second = 2 * len(new) > len({one.number for one in numbered}) > 1
     for one in numbered:
         if work := renamed.get(one):
             one.known, one.person = work.student, work.person or work.student
         elif one.id in refused:
             one.refused = _shared(one)
         elif _is_new(one, earlier) and not trust:
-            one.refused = _perhaps_different(one, earlier[one.id, one.assignment])
+            numbers = ' and '.join(earlier[one.id, one.assignment])
+            if second:
+                one.notes += (_second_activity(one, numbers),)
+            else:
+                one.refused = _perhaps_different(one, numbers)
     return sorted(shared)
 
 
@@ -76,18 +81,27 @@ def _shared(one: Delivery) -> str:
     """Return that two people share the name of a delivery, and what to do."""
     name = one.student[:60]
     return (
-        f'two people are called {name!r}: unpack the zip, add the same id to the names of all '
-        f'folders or files of one person, as in "{name} ID_{one.number}_assignsubmission_file", '
+        f'two people are called {name!r}: unpack the zip, add an id to the names of all folders '
+        'or files of both people (one id per person), as in '
+        f'"{name} ID_{one.number}_assignsubmission_file", '
         f'and find out whose work is in submitted/{one.id}'
     )
 
 
-def _perhaps_different(one: Delivery, earlier: Sequence[str]) -> str:
+def _second_activity(one: Delivery, earlier: str) -> str:
+    """Return that a delivery was taken because most students of the download are known."""
+    return (
+        f'number {one.number}, earlier {earlier}: taken as a second activity; '
+        f'perhaps a different {one.student[:60]!r}'
+    )
+
+
+def _perhaps_different(one: Delivery, earlier: str) -> str:
     """Return that a delivery may be from a different person of this name, and what to do."""
     name = one.student[:60]
     return (
         f'perhaps a different {name!r}: number {one.number} in Moodle, earlier '
-        f'{" and ".join(earlier)}. Try: if Moodle has two assignments for this work, add '
+        f'{earlier}. Try: if Moodle has two assignments for this work, add '
         '--trust-names; if these are two people, unpack the zip and add an id to the name of the '
         f'folder or file, as in "{name} ID_{one.number}_assignsubmission_file"'
     )

@@ -96,10 +96,18 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
     delivery.assignment = wanted or delivery.assignment
     if delivery.refused:
         return []
+    found = _read(delivery, course)
+    if any(one.shared or not course.cells.get(one.named, True) for one in found):
+        return found
+    return _read(delivery, course, zips=True)  # The answers may be in a zip next to other work.
+
+
+def _read(delivery: Delivery, course: Course, zips: bool = False) -> list[NotebookInfo]:
+    """Read the notebooks of a delivery; also those in a zip next to notebooks, if ``zips``."""
     files = [
         found
         for place in delivery.places
-        for found in notebooks_in([one for one in delivery.files if one.place == place])
+        for found in notebooks_in([one for one in delivery.files if one.place == place], zips)
     ]
     files.sort(key=lambda one: (len(one.file.parts), one.file.parts))
     files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
@@ -270,7 +278,7 @@ def _why_this(best: NotebookInfo, beside: Sequence[NotebookInfo], assignment: st
     why = 'it has the most' if counts[0] > max(counts[1:]) else 'they have equally many'
     return (
         f'{best.file.path} was chosen, not {others}: {why} cells of the assignment. Try: if that '
-        f'is wrong, unpack the download, delete {best.file.name} and collect the folder'
+        f'is wrong, unpack the download, delete {best.file.path[:80]} and collect the folder'
     )
 
 

@@ -1,9 +1,9 @@
 """
 Remove a student from the course, with everything that the grader derived from their work.
 
-The submission itself is not deleted.  If the next grading would find it, it is moved to
-``_work/forgotten``.  Recordings are kept: they are named by the content of the files, and students
-with equal files share them.
+The submission itself is not deleted.  If the next grading would find it, or if it contains work
+that ``collect`` replaced, it is moved to ``_work/forgotten``.  Recordings are kept: they are named
+by the content of the files, and students with equal files share them.
 """
 
 import argparse
@@ -20,6 +20,7 @@ from autograder.classroom.collected import read_collected, save_collected, Work
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.people import find_student
 from autograder.classroom.results_of_class import last_results
+from autograder.collect.copy_notebooks import KEPT
 from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import relative_path
 from autograder.explaining.feedback import number, printable
@@ -96,9 +97,13 @@ def traces(layout: Layout, student: str) -> Iterator[Trace]:
 
 
 def _submission(layout: Layout, place: Path) -> Trace:
-    """Return the submission of a student, which is moved if the next grading would find it."""
-    where = relative_path(place, layout)
-    if place.name not in students_in(layout.submitted, layout.assignments()):
+    """
+    Return the submission of a student.
+
+    It is moved if the next grading would find it, or if ``collect`` kept replaced work in it.
+    """
+    where, kept = relative_path(place, layout), place.glob(f'*/{KEPT}/*.ipynb')
+    if place.name not in students_in(layout.submitted, layout.assignments()) and not any(kept):
         return [f'not touched: {where}'], lambda: None
     forgotten = layout.work / 'forgotten'
 

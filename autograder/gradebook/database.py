@@ -143,8 +143,8 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
     except (SQLAlchemyError, ValueError) as error:
         raise GraderError(
             f'{where}: this is not the address of a gradebook: {error}.',
-            'Try: set c.CourseDirectory.db_url in nbgrader_config.py as docs/gradebook.md shows, '
-            'then run the same command again. Finished runs are kept.',
+            'Try: set c.CourseDirectory.db_url in autograder/_work/nbgrader_config.py as '
+            'docs/gradebook.md shows, then run the same command again. Finished runs are kept.',
         ) from error
     except ModuleNotFoundError as error:
         raise GraderError(

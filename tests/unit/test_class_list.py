@@ -105,7 +105,9 @@ def test_reports_and_statistics_name_who_is_missing(listed):
             'First name,Last name,Email address,Groups\nKatrin,García,kg@x.example,\n',
             {'Katrin García': 'Katrin García'},
         ),
+        ('student,id,section\nann,900,1\nbob,901,1\n', {'ann': '', 'bob': ''}),
     ],
+    ids=['canvas', 'moodle', 'no canvas'],
 )
 def test_downloads_from_canvas_and_moodle_are_class_lists(layout, text, names):
     laid(layout.work, {'class_list.csv': text.encode()})
@@ -118,6 +120,7 @@ def test_downloads_from_canvas_and_moodle_are_class_lists(layout, text, names):
     [
         ('name\nann\n', 'there is no column student'),
         ('student\nann\nann\n', 'row 3: ann is in the list twice'),
+        ('First name,Last name\nLi,Wei\nLi,Wei\n', 'row 3: Li Wei is .* add an id to both names'),
         ('student\n-\n', "row 2: the student id '-' has no letter or digit"),
         ('student,name\nann\n', 'line 2 has 1 fields, line 1 has 2'),
         ('student\nJ\xf6rg\n', 'not UTF-8; save it as CSV UTF-8'),

@@ -113,8 +113,14 @@ class TestMoodle:
         first = self.of_moodle('Ann_0', 'Bo_1', 'Cy_2', 'Dee_3')
         second = self.of_moodle('Ann_20', 'Bo_21', 'New_22')
         more = self.of_moodle('Ann_20', 'Bo_21', 'Cy_23')
-        for files in (first, second, first, second):
-            assert LEFT not in {row.done for row in gather(files, packed)}
+        gather(first, packed)
+        rows = gather(second, packed)
+        for row, number in zip(rows, range(2)):
+            said = f'number 2{number}, earlier {number}: taken as a second activity; '
+            assert row.notes == (f'{said}perhaps a different {row.student!r}',)
+        for files in (first, second):
+            rows += gather(files, packed)
+        assert LEFT not in {row.done for row in rows}
 
         rows = gather(more, packed)
         assert [row.student for row in rows if row.done == LEFT] == ['Cy']

@@ -24,7 +24,7 @@ from collect_sources import (
 import pytest
 
 from autograder.collect import deliveries, selection
-from autograder.collect.deliveries import LEFT, TAKEN
+from autograder.collect.deliveries import LEFT, Row, TAKEN
 from autograder.submission.reading import UnusableUploadError
 
 RIGHT, COPY = notebook('talker', text='right'), notebook('talker', text='copy')
@@ -175,7 +175,10 @@ class TestTheRightOne:
                 GOOD,
                 (
                     CHOSEN.format(
-                        f'old/{TALK}/x.ipynb', 'talk.ipynb', 'it has the most', 'x.ipynb'
+                        f'old/{TALK}/x.ipynb',
+                        'talk.ipynb',
+                        'it has the most',
+                        f'old/{TALK}/x.ipynb',
                     ),
                     "the file was called 'x.ipynb'",
                 ),
@@ -244,8 +247,24 @@ def zipped(files: dict[str, bytes]) -> bytes:
     return file.getvalue()
 
 
+def patched(mark: bytes, offset: int, value: bytes) -> bytes:
+    """Return a zip with a notebook, with bytes overwritten at an offset from the last mark."""
+    data = bytearray(zipped({'talk.ipynb': GOOD, 'é': b''}))
+    at = data.rindex(mark) + offset
+    data[at : at + len(value)] = value
+    return bytes(data)
+
+
+HOSTILE = {
+    'utf-8': patched('é'.encode(), 0, b'\xff\xfe'),
+    'no name': patched(b'PK\1\2', 28, b'\0\0\2\0'),  # The name becomes an extra field.
+    'offset': patched(b'PK\5\6', 16, b'\xff\xff'),  # All entries seem to start before the file.
+}
+"""Zips that Python's module for zips answers with different errors."""
+
+
 class TestPackedWork:
-    """Notebooks in zip files, or with another ending, are found if there is no other."""
+    """Notebooks in zip files, or with another ending, are found if no other has the answers."""
 
     DEEP = zipped({'c.zip': zipped({'b.zip': zipped({'talk.ipynb': GOOD})})})
 
@@ -297,6 +316,27 @@ class TestPackedWork:
         assert row.notes[0].startswith(why)
         assert ('no notebook' in why) == (selection.ASK in row.notes)
 
+    @pytest.mark.parametrize('name', HOSTILE)
+    def test_a_hostile_zip_stops_nobody_else(self, name, gather, tmp_path, layout):
+        ann, bob = gather({'ann/a.zip': HOSTILE[name], 'bob/talk.ipynb': GOOD}, packed)
+
+        assert (ann.student, ann.done) == ('ann', TAKEN if name == 'no name' else LEFT)
+        assert bob == Row('bob', TALK, 'bob', TAKEN)
+
+    @pytest.mark.parametrize(('name', 'place'), [('no name', ''), ('offset', 'talk.ipynb')])
+    def test_a_hostile_name_in_a_download_is_one_row(self, name, place, tmp_path, layout):
+        (tmp_path / 's.zip').write_bytes(HOSTILE[name])
+
+        rows = collect(tmp_path / 's.zip', layout, layout.submitted)
+
+        assert place in [row.place for row in rows if row.done == LEFT]
+
+    def test_a_hostile_name_that_cannot_be_read_is_one_sentence(self, tmp_path, layout):
+        (tmp_path / 's.zip').write_bytes(HOSTILE['utf-8'])
+
+        with pytest.raises(UnusableUploadError, match='the zip file cannot be read'):
+            collect(tmp_path / 's.zip', layout, layout.submitted)
+
     def test_notebooks_outside_of_a_zip_come_first(self, gather, layout):
         """A zip next to a notebook may contain an old copy, or the whole course."""
         old = zipped({'talk.ipynb': GOOD})
@@ -305,6 +345,33 @@ class TestPackedWork:
 
         assert row.notes == ()
         assert list(taken(layout).values()) == [notebook('talker')]
+
+    @pytest.mark.parametrize('name', ['notes.ipynb', 'talk.ipynb'])
+    def test_answers_in_a_zip_next_to_other_work_are_found(self, name, gather, layout):
+        gather({f'ann/{name}': OWN, 'ann/lesson.zip': zipped({'talk.ipynb': GOOD})})
+
+        assert list(taken(layout).values()) == [GOOD]
+
+    def test_a_damaged_zip_next_to_other_work_is_reported(self, gather):
+        (row,) = gather({'ann/notes.ipynb': OWN, 'ann/lesson.zip': b'PK'}, assignment=TALK)
+
+        assert row.done == LEFT
+        assert any('lesson.zip: a damaged zip file' in note for note in row.notes)
+
+    def test_one_zip_too_many_is_reported(self, gather):
+        files = {f'ann/{n:02}.zip': zipped({'x.pdf': b'%PDF'}) for n in range(11)}
+
+        (row,) = gather(files)
+
+        assert row.notes == ('10.zip: not opened: only the first 10 zip files are opened',)
+
+    def test_of_equal_names_in_two_zips_the_path_says_which(self, gather):
+        files = {f'ann/{name}.zip': zipped({'talk.ipynb': GOOD}) for name in 'ab'}
+
+        (row,) = gather(files)
+
+        equal = 'a.zip/talk.ipynb', 'b.zip/talk.ipynb', 'they have equally many'
+        assert row.notes == (CHOSEN.format(*equal, 'a.zip/talk.ipynb'),)
 
     def test_a_large_file_in_a_zip_is_refused(self, gather, monkeypatch):
         bounds = deliveries.IN_ZIP._replace(file_bytes=len(GOOD) - 1)

@@ -20,7 +20,7 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.classroom.collected import read_not_collected
+from autograder.classroom.collected import read_collected, read_not_collected
 from autograder.collect.deliveries import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.collect.selection import ASK
 from autograder.submission.reading import UnusableUploadError
@@ -81,6 +81,17 @@ class TestCanvas:
         assert row.notes == (
             'it is unknown which notebook is newer; the other one is now in .ipynb_checkpoints/',
         )
+
+    def test_another_folder_has_no_part_in_the_order(self, tmp_path, layout):
+        """The saved numbers are those of the notebooks in ``submitted/``."""
+        for number, to in ((100, layout.submitted), (101, tmp_path), (100, layout.submitted)):
+            files = {f'ann_1001_{number}_talk.ipynb': notebook('talker', text=f'{number}')}
+            (row,) = collect(packed(tmp_path / f'{number}.zip', files), layout, to)
+
+        assert (row.done, row.notes) == (UNCHANGED, ())
+        assert [one.turn for one in read_collected(layout)] == ['100']
+        (row,) = collect(tmp_path / '100.zip', layout, tmp_path)
+        assert row.done == REPLACED
 
     def test_attachments_are_compared_as_numbers(self, gather, layout):
         """Attachment 99 is older than 100, and the newest counts even if a cell was deleted."""

@@ -8,6 +8,7 @@ from collect_sources import (
     configure,
     GOOD,
     laid,
+    notebook,
     packed,
     TALK,
 )
@@ -73,6 +74,16 @@ def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
     assert not (course.work / 'feedback' / '1001').exists()
     assert command.main(['forget', '1001']) == command.USAGE
     assert 'Did you mean' in capsys.readouterr().err
+
+
+def test_replaced_work_is_moved_even_if_nothing_else_is_left(course, gather, capsys):
+    gather({'1001/talk.ipynb': notebook('talker', text='newer')})
+    (course.submitted / '1001' / TALK / 'talk.ipynb').unlink()
+
+    assert command.main(['forget', '1001', '--yes']) == OK
+    assert 'not touched' not in capsys.readouterr().out
+    assert not (course.submitted / '1001').exists()
+    assert list((course.work / 'forgotten').rglob('talk-replaced.ipynb'))
 
 
 def test_submission_is_moved_before_anything_else_fails(course, monkeypatch, capsys):
