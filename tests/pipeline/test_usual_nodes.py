@@ -68,6 +68,10 @@ def pulses(condition='state[0]', **other):
     return PULSES.format(**{**given, 'condition': condition, **other})
 
 
+AT_TIMES = (
+    'node.create_service(SetBool',
+    'node.create_timer(6.0, lambda: node.create_service(SetBool',
+)
 LATE = 'state[0] = state[0] and time.monotonic()\n    response.success = True\n    return response'
 UNANSWERED = dict.fromkeys(('answers_enable', 'keeps_its_rhythm'), 'no_response_returned')
 PROGRAMS = [
@@ -138,6 +142,12 @@ PROGRAMS = [
         {'keeps_its_rhythm': ''},
     ),
     ('pulse_counter', pulses(end='return request'), 4, UNANSWERED),
+    (
+        'pulse_counter',
+        pulses().replace(*AT_TIMES) + ')',
+        4,
+        {'answers_enable': 'service_at_times', 'keeps_its_rhythm': ''},
+    ),
     ('pulse_counter', pulses(period=1.0), 6, {'keeps_its_rhythm': 'wrong_rate'}),
     ('pulse_counter', pulses(period='5.0'), 6, {'keeps_its_rhythm': 'wrong_rate'}),
     (

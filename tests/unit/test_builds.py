@@ -198,6 +198,7 @@ def test_libraries_named_after_the_package_have_the_right_target():
 
 def test_cause_of_an_unregistered_package_names_its_file():
     """No tool reports this mistake, so no output shows it."""
+    assert MISSING_AMENT_PACKAGE.cause_id == 'missing_ament_package'
     assert MISSING_AMENT_PACKAGE.text.startswith('CMakeLists.txt: ')
 
 
