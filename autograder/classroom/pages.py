@@ -24,7 +24,7 @@ from autograder.classroom.results_of_class import (
     missing_protections,
     modes,
 )
-from autograder.classroom.standing import names_for_email, Standing, TO_GRADE
+from autograder.classroom.standing import absent, names_for_email, Standing, TO_GRADE
 from autograder.classroom.statistics import BINS, CheckNumbers, class_numbers, Marks
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
@@ -95,7 +95,7 @@ def write_class_report(
             summary=summary,
             by_hand=by_hand,
             people=read_people(layout),
-            names=names_for_email(numbers.missing),
+            names=names_for_email(absent(numbers.missing)),
         )
     )
     folder = layout.reports / graded.assignment

@@ -131,7 +131,11 @@ def by_status(found: Iterable[tuple[str, str]]) -> Iterator[str]:
         yield f'{status} ({len(names)}): {first_of(names, MAX_NAMED)}{advice}'
 
 
-def names_for_email(missing: Iterable[Standing | Work]) -> str:
-    """Return names or ids of students without usable work, with commas, for an e-mail to them."""
-    absent = (one for one in missing if getattr(one, 'status', '') not in TO_GRADE)
-    return ', '.join(dict.fromkeys(one.person or one.student for one in absent))
+def absent(missing: Iterable[Standing]) -> list[Standing]:
+    """Return the students without usable work, not those whose work only waits for grading."""
+    return [one for one in missing if one.status not in TO_GRADE]
+
+
+def names_for_email(students: Iterable[Standing | Work]) -> str:
+    """Return the names or ids of students, with commas, for an e-mail to them."""
+    return ', '.join(dict.fromkeys(one.person or one.student for one in students))

@@ -24,9 +24,9 @@ from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import extensions, not_listed, read_people
 from autograder.classroom.results_of_class import last_results, modes, results_of_others
 from autograder.classroom.standing import (
+    absent,
     collected_digests,
     MISSING,
-    TO_GRADE,
     without_result,
 )
 from autograder.commands import flag, FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
@@ -348,8 +348,7 @@ class Grading:
             console.print(summary, markup=False)
         else:
             console.print(f'{assignment}: {summary}', markup=False)
-        absent = [one for one in missing if one.status not in TO_GRADE]
-        if names := [one.person or one.student for one in absent]:
+        if names := [one.person or one.student for one in absent(missing)]:
             said = f'Nothing to grade yet from: {first_of(names, MAX_NAMED)}.'
             console.print(printable(said), markup=False)
         if where:

@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 
 from autograder.classroom.results_of_class import graded
-from autograder.classroom.standing import BY_HAND, by_status, CHANGED, TO_GRADE
+from autograder.classroom.standing import absent, BY_HAND, by_status, CHANGED, TO_GRADE
 from autograder.classroom.statistics import class_numbers, ClassNumbers
 from autograder.commands import ASSIGNMENT_OR_ALL, FOR_REVIEW, OK, takes
 from autograder.explaining.feedback import number, printable
@@ -36,8 +36,7 @@ def stats_text(numbers: ClassNumbers, by_hand: Sequence[str] = ()) -> str:
     waiting = [(one.student, one.status) for one in numbers.missing if one.status in TO_GRADE]
     waiting += [(student, BY_HAND) for student in by_hand if (student, CHANGED) not in waiting]
     lines += [f'  {line}' for line in by_status(waiting)]
-    absent = (one for one in numbers.missing if one.status not in TO_GRADE)
-    lines += [f'  missing: {one.student}: {one.reason}' for one in absent]
+    lines += [f'  missing: {one.student}: {one.reason}' for one in absent(numbers.missing)]
     lines += _marks_lines(numbers)
     if numbers.checks:
         lines.append('  failed  not run  mean points  check')
