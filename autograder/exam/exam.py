@@ -237,12 +237,6 @@ class Exam:
         self.checks.append(check)
 
     @property
-    def names(self) -> Names:
-        """Return the topics, types, services and parameters that the scenario uses."""
-        names: Names = self.facts['exam_names']
-        return names
-
-    @property
     def max_points(self) -> float:
         """Return the sum of the points of all checks."""
         return sum(check.points for check in self.checks)
