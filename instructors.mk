@@ -28,7 +28,7 @@
 # Without cached bytecode, each process would compile all tests and the grader again.
 quick test: export PYTHONDONTWRITEBYTECODE =
 
-# A submission for review is no error of make.
+# A submission for review does not make this goal fail.
 grade: prepare
 	@exec $(PY) -m autograder grade --allow-review $(ARGS)
 

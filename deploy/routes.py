@@ -95,7 +95,7 @@ def make_grade(folder: Path, *before: str | Path, **more: Any) -> str:
     """
     Grade the sample class and return the result; parameters are those of :func:`run`.
 
-    One sample submission is unreadable and for review, which is no error of make.
+    One sample submission is unreadable and for review; ``make grade`` succeeds nevertheless.
     """
     return sample_class_result(run(folder, *before, 'make', 'grade', **more))
 

@@ -103,7 +103,7 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
 
 
 def _read(delivery: Delivery, course: Course, zips: bool = False) -> list[NotebookInfo]:
-    """Read the notebooks of a delivery; also those in a zip next to notebooks, if ``zips``."""
+    """Read the notebooks of a delivery; with ``zips``, zips next to notebooks are opened too."""
     files = [
         found
         for place in delivery.places

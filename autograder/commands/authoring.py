@@ -50,17 +50,16 @@ def new_exam_command(chosen: argparse.Namespace) -> int:
 def release_command(chosen: argparse.Namespace) -> int:
     """Generate the students' notebooks, check the course, and pack the files for students."""
     layout = Layout.here()
-    made = [] if chosen.check else generate(layout, layout.notebooks)
-    if not (made or chosen.check):
+    if chosen.check:
+        lines = check(layout)
+        print('\n'.join(lines) or 'The notebooks and the exams agree.')
+        return FOR_REVIEW if lines else OK
+    if not (made := generate(layout, layout.notebooks)):
         raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
     if lines := check(layout):
         print('\n'.join(lines))
-        if made:
-            print('Nothing was packed. Try: correct these mistakes, then release again.')
+        print('Nothing was packed. Try: correct these mistakes, then release again.')
         return FOR_REVIEW
-    if chosen.check:
-        print('The notebooks and the exams agree.')
-        return OK
     bundle = layout.work / 'student_bundle.zip'
     count = pack(layout, bundle, chosen.answers)
     print(f'notebooks/ contains {", ".join(made)}.')
